@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.rigid import rotations_between
+from baker.matching.score import best_pairs
 from baker.segmentation.leaflets import segment_leaflets
 
 Points = NDArray[np.floating]
@@ -131,14 +132,14 @@ def register_leaflets(
     bound = np.minimum(scores.max(axis=1).sum(axis=1), scores.max(axis=2).sum(axis=1))
     chosen = np.argsort(-bound, kind="stable")[:ROTATIONS_REFINED]
     min_pairs = max(2, min(MIN_PAIRS, len(source.count), len(target.count)))
-    best_pairs, best_score = _refine_pairs(source.centroid, source.radius, source, target)
+    chosen_pairs, best_score = _refine_pairs(source.centroid, source.radius, source, target)
     best = start.astype(float)
     for h in (0, *chosen.tolist()):
         pairs, score = _refine_pairs(moved[h], radii[h], source, target)
         if score > best_score and (h == 0 or len(pairs) >= min_pairs):
-            best_pairs, best_score = pairs, score
+            chosen_pairs, best_score = pairs, score
             best = (start - origin) @ maps[h].T + base
-    return best, best_pairs
+    return best, chosen_pairs
 
 
 def _rotations(
@@ -174,21 +175,11 @@ def _scores(centroid: Floats, radius: Floats, source: _Leaflets, target: _Leafle
     return np.asarray(nearness**2 * points)
 
 
-def _assign(scores: Floats) -> tuple[Indices, float]:
-    """The (p, 2) pairs of largest total score, and that score."""
-    from scipy.optimize import linear_sum_assignment
-
-    rows, columns = linear_sum_assignment(scores, maximize=True)
-    positive = scores[rows, columns] > 0
-    pairs = np.stack([rows[positive], columns[positive]], axis=1)
-    return pairs, float(scores[rows, columns].sum())
-
-
 def _refine_pairs(
     centroid: Floats, radius: Floats, source: _Leaflets, target: _Leaflets
 ) -> tuple[Indices, float]:
     """The best pairs and their score, refined by fitting an affine map to the pairs so far."""
-    pairs, score = _assign(_scores(centroid, radius, source, target))
+    pairs, score = best_pairs(_scores(centroid, radius, source, target))
     for _ in range(MAX_REFINEMENTS):
         if len(pairs) < MIN_PAIRS:
             break
@@ -200,7 +191,7 @@ def _refine_pairs(
         ridge = (RIDGE * np.trace(spread) / 3 + np.finfo(float).tiny) * np.eye(3)
         slope = np.linalg.solve(spread + ridge, (offset.T * weight) @ (end - start - shift))
         moved = centroid + shift + (centroid - center) @ slope
-        new_pairs, new_score = _assign(_scores(moved, radius, source, target))
+        new_pairs, new_score = best_pairs(_scores(moved, radius, source, target))
         if new_score <= score:
             break
         pairs, score = new_pairs, new_score

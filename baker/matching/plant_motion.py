@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.matching.descriptors import OrganDescriptors
-from baker.matching.score import match_scores, shape_scores
+from baker.matching.score import best_pairs, match_scores, shape_scores
 
 Floats = NDArray[np.float64]
 
@@ -75,15 +75,8 @@ def _penalty(rotations: Floats) -> Floats:
 
 def _total_score(first: OrganDescriptors, second: OrganDescriptors) -> float:
     """The largest total score of a matching, also if organs are moved like their neighbours."""
-    from scipy.optimize import linear_sum_assignment
-
-    totals, pairs = list[float](), list[tuple[int, int]]()
-    for _ in range(2):
-        scores = np.maximum(match_scores(first, second, pairs), 0.0)
-        rows, columns = linear_sum_assignment(scores, maximize=True)
-        pairs = [pair for pair in zip(rows, columns, strict=True) if scores[pair] > 0.0]
-        totals.append(float(scores[rows, columns].sum()))
-    return max(totals)
+    pairs, total = best_pairs(match_scores(first, second))
+    return max(total, best_pairs(match_scores(first, second, pairs))[1])
 
 
 def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Floats]:

@@ -12,10 +12,8 @@ The scan with the smaller organs is the younger one, so that a series in reverse
 same result.
 """
 
-from collections.abc import Sequence
-
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from baker.matching.descriptors import OrganDescriptors
 
@@ -36,7 +34,7 @@ MEDIAN_STEPS, MEDIAN_SOFTNESS = 10, 0.05  # of the geometric median; in sizes
 
 
 def match_scores(
-    first: OrganDescriptors, second: OrganDescriptors, pairs: Sequence[tuple[int, int]] = ()
+    first: OrganDescriptors, second: OrganDescriptors, pairs: ArrayLike = ()
 ) -> NDArray[np.float64]:
     """Score each pair of organs of two scans.
 
@@ -44,7 +42,7 @@ def match_scores(
     ----------
     first, second : OrganDescriptors
         Of n and m organs.
-    pairs : sequence of (int, int)
+    pairs : (p, 2) int
         Pairs of organs that are matched so far; other organs are moved like their neighbours.
 
     Returns
@@ -57,6 +55,28 @@ def match_scores(
     if (first.sizes**2).sum() > (second.sizes**2).sum():
         return _scores(second, first, known[:, ::-1]).T
     return _scores(first, second, known)
+
+
+def best_pairs(scores: NDArray[np.float64]) -> tuple[NDArray[np.intp], float]:
+    """Pair rows with columns so that the total score is greatest.
+
+    Parameters
+    ----------
+    scores : (n, m) float64
+        Pairs with a score of 0 or less are not made.
+
+    Returns
+    -------
+    pairs : (p, 2) intp
+        By row.
+    total : float
+    """
+    from scipy.optimize import linear_sum_assignment
+
+    gains = np.maximum(scores, 0.0)
+    rows, columns = linear_sum_assignment(gains, maximize=True)
+    gain = gains[rows, columns]
+    return np.column_stack([rows, columns])[gain > 0.0], float(gain.sum())
 
 
 def _scores(

@@ -78,10 +78,10 @@ def track_organs(
     return tracks
 
 
-def _linked(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> list[tuple[int, int]]:
-    """The pairs of organs of two scans that have the same track number."""
+def _linked(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> NDArray[np.intp]:
+    """(p, 2) the pairs of organs of two scans that have the same track number."""
     _, first, second = np.intersect1d(numbers[k], numbers[later], return_indices=True)
-    return list(zip(first.tolist(), second.tolist(), strict=True))
+    return np.column_stack([first, second])
 
 
 def _organ_of(hierarchy: Hierarchy, point: int) -> int:

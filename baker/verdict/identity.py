@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from baker.matching import Match
 from baker.matching.descriptors import OrganDescriptors, describe_organs
-from baker.matching.score import match_scores
+from baker.matching.score import best_pairs, match_scores
 from baker.segmentation.hierarchy import Hierarchy
 from baker.verdict.doubt import MIN_SHARE
 
@@ -57,7 +57,8 @@ def doubtful_identities(
     scores[np.ix_(starts, ends)] = match_scores(first.descriptors, second.descriptors, known)
     for pair in match.pairs:
         scores[pair] -= MIN_MARGIN
-    successor = dict(best_pairs(scores))
+    # As the interval would be matched without the rest of the series.
+    successor = dict(best_pairs(scores)[0].tolist())
     predecessor = {b: a for a, b in successor.items()}
     for a, b in match.pairs:
         shares = first.share[a], second.share[b]
@@ -81,19 +82,6 @@ def doubtful_identities(
     for b in match.births:
         if (strength := float(second.share[b]) / MAX_BORN_SHARE) >= 1.0:
             yield "{} is large but new", strength, [end_tracks[b]]
-
-
-def best_pairs(scores: NDArray[np.float64]) -> list[tuple[int, int]]:
-    """The pairs of greatest total score, by row; rows and columns may stay without a partner.
-
-    scores: (n, m); pairs with a score of 0 or less are not made. This is how an interval would be
-    matched without the rest of the series.
-    """
-    from scipy.optimize import linear_sum_assignment
-
-    gains = np.maximum(scores, 0.0)
-    pairs = np.column_stack(linear_sum_assignment(gains, maximize=True))
-    return [(i, j) for i, j in pairs.tolist() if gains[i, j] > 0.0]
 
 
 def _organs(series: FollowedOrgans, scan: int, hierarchy: Hierarchy) -> _Organs:

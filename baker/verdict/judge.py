@@ -1,6 +1,6 @@
 """Judge which organs of a clip look wrong in which interval."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.parallel import MapLike
+from baker.interpolation.organ_shapes import Attachments
 from baker.verdict.doubt import MIN_SHARE, Doubt, verdict_provenance
 from baker.verdict.identity import FollowedOrgans, doubtful_identities
 from baker.verdict.motion import SampledMotion, sampled_motions
@@ -16,9 +17,6 @@ from gclip import Clip
 
 # Beyond these thresholds the motion of an organ is doubtful (docs/method.md, "The verdict").
 MAX_TORN_SHARE, MIN_ORDER_CORRELATION, MAX_SIZE_CHANGE = 0.05, 0.5, 0.2
-
-Attachments = Mapping[int, NDArray[np.floating]]
-"""Organ -> (c, 3) points by which it touches its parent."""
 
 
 def judge_clip(

@@ -8,12 +8,6 @@ import pytest
 from baker import Options
 from baker.pipeline import bake_recorded
 from baker.verdict.doubt import doubts_in
-from baker.verdict.identity import best_pairs
-
-
-def test_an_interval_by_itself_is_matched_at_the_greatest_score_and_nothing_at_a_loss():
-    scores = np.array([[3.0, 2.5, 0.0], [2.5, 1.0, -1.0], [-np.inf, 0.0, -0.5]])
-    assert best_pairs(scores) == [(0, 1), (1, 0)]
 
 
 def leaf(azimuth: float, length: float, height: float, label: int) -> np.ndarray:
