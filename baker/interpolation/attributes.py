@@ -85,12 +85,12 @@ def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequen
     scans : sequence of Scan
         With `scalars` of the same names.
     """
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     scalars = [scan.scalars for scan in scans]
     if not scalars[0]:
         return clip
-    trees, born = [cKDTree(cloud) for cloud in clouds], np.array([t.born for t in clip.track_table])
+    trees, born = [KDTree(cloud) for cloud in clouds], np.array([t.born for t in clip.track_table])
     values: dict[str, list[NDArray[np.float32]]] = {name: [] for name in scalars[0]}
     for k, interval in enumerate(clip.intervals):
         first, last = (

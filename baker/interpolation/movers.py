@@ -37,7 +37,6 @@ class OrganMovers:
     area: Floats | None = None  # (M,) at mid-interval; None if no movers are to be added
     start_points: Indices | None = None  # (M,) numbers of the points of the task; None if lost
     end_points: Indices | None = None  # likewise
-    born: bool = False  # whether they unfold from an attachment point
 
 
 def moving(
@@ -60,7 +59,7 @@ def moving(
     if start.area is not None and end.area is not None:
         area = mid_area(start.area[a], plan.rows, end.area[b], plan.columns, born)
     pair = _pair(task, len(a), plan.solver, plan.distance, plan.marginal_error, plan.notes)
-    moved = OrganMovers(movers, pair, area, plan.rows, plan.columns, born)
+    moved = OrganMovers(movers, pair, area, plan.rows, plan.columns)
     return moved if timing is None else shifted(moved, timing.shift(origin, target))
 
 
@@ -127,13 +126,13 @@ class OrganPaths:
         self, organ: int, motion: OrganMotion | None, start: Floats, rows: Indices
     ) -> Deviation | None:
         """The deviation of an organ's movers, which start at `rows`; None for the root."""
-        from scipy.spatial import cKDTree
+        from scipy.spatial import KDTree
 
         segment = self._segments.get(organ, NO_PARENT)
         if motion is None or segment == self._scan.root:
             return None
         shift = motion.deviation(start).take(rows, axis=0)
-        tree, attached_to = cKDTree(motion.deformed), dict[int, int]()
+        tree, attached_to = KDTree(motion.deformed), dict[int, int]()
         for child, members in enumerate(self._scan.segments):
             if self._scan.parents[child] == segment and len(members):
                 sample = members[:: max(1, len(members) // POINTS_COMPARED)]
@@ -146,14 +145,13 @@ class OrganPaths:
         self, solved: Sequence[OrganMovers], deviations: Sequence[Deviation | None]
     ) -> list[OrganMovers]:
         """Shift the movers of each task by their deviation and by that of their attachment."""
-        segments = [self._segments.get(_track(moved)) for moved in solved]
+        segments = [self._segments.get(moved.pair.track) for moved in solved]
         by_segment = {s: d for s, d in zip(segments, deviations, strict=True) if d is not None}
         attachment_shift: dict[int, Floats] = {NO_PARENT: np.zeros(3)}
         for child in self._scan.from_the_root():
             parent = self._scan.parents[child]
-            relative = by_segment[parent][1].get(child) if parent in by_segment else None
-            relative = np.zeros(3) if relative is None else relative
-            attachment_shift[child] = attachment_shift[parent] + relative
+            of_children = by_segment[parent][1] if parent in by_segment else {}
+            attachment_shift[child] = attachment_shift[parent] + of_children.get(child, 0.0)
         result = []
         for moved, segment, deviation in zip(solved, segments, deviations, strict=True):
             if segment is not None and moved.start_points is not None:
@@ -163,7 +161,3 @@ class OrganPaths:
                 moved = shifted(moved, shift) if shift.any() else moved
             result.append(moved)
         return result
-
-
-def _track(moved: OrganMovers) -> int:
-    return int(moved.movers.tracks[0]) if len(moved.movers) else -1

@@ -47,9 +47,9 @@ def _interpolate(
     points: NDArray[np.floating], sample: Points, values: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Interpolate (n, ...) values of a sample at other points, weighted by inverse distance."""
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
-    distances, nearest = cKDTree(sample).query(points, k=[*range(1, min(4, len(sample)) + 1)])
+    distances, nearest = KDTree(sample).query(points, k=[*range(1, min(4, len(sample)) + 1)])
     weights = 1.0 / np.maximum(distances, 1e-9 * (distances.max() + 1e-30))
     weights /= weights.sum(axis=1, keepdims=True)
     return np.einsum("nk,nk...->n...", weights, values[nearest])
@@ -113,25 +113,21 @@ def growth_share(start: Points, end: Points, uneven: float) -> float:
     before, after = np.maximum(lengths, 1e-30)
     growth = abs(float(np.log(after / before)))
     hinge = float(np.linalg.norm(end[0] - start[0])) / max(before, after)
-    return max(
-        _ramp(uneven - UNEVENNESS_OF_GROWTH * growth, *UNEVENNESS_RANGE),
-        _ramp(hinge - HINGE_OF_GROWTH * growth, *HINGE_RANGE),
+    shares = (
+        np.interp(uneven - UNEVENNESS_OF_GROWTH * growth, UNEVENNESS_RANGE, (0.0, 1.0)),
+        np.interp(hinge - HINGE_OF_GROWTH * growth, HINGE_RANGE, (0.0, 1.0)),
     )
+    return float(max(shares))
 
 
 def unevenness(sample: Points, deformed: Points) -> float:
     """Standard deviation of the logarithm of the stretch between neighbouring points, (n, 3)."""
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     chosen = np.arange(0, len(sample), max(len(sample) // POINTS_COMPARED, 1))
-    nearest = cKDTree(sample).query(sample[chosen], k=min(LAST_NEIGHBOR, len(sample)))[1]
+    nearest = KDTree(sample).query(sample[chosen], k=min(LAST_NEIGHBOR, len(sample)))[1]
     nearest = nearest[:, FIRST_NEIGHBOR::NEIGHBOR_STEP]
     before = np.linalg.norm(sample[chosen, None] - sample[nearest], axis=2)
     after = np.linalg.norm(deformed[chosen, None] - deformed[nearest], axis=2)
     stretch = np.log(after[before > 0] / before[before > 0] + 1e-6)
     return float(np.clip(stretch, -2.0, 2.0).std()) if stretch.size else UNEVENNESS_RANGE[1]
-
-
-def _ramp(value: float, zero: float, one: float) -> float:
-    """Rise linearly from 0 at `zero` to 1 at `one`."""
-    return float(np.clip((value - zero) / (one - zero), 0.0, 1.0))

@@ -104,7 +104,7 @@ def _displacements(task: OrganMovers, middle: Floats, repeated: NDArray[np.intp]
     away from that mean, by at most `MAX_OVERHANG`, since beyond a tip there are no other movers. A
     mover that shares no point is displaced towards a neighbour.
     """
-    from scipy.spatial import cKDTree
+    from scipy.spatial import KDTree
 
     from_mean = middle - _group_mean(task.start_points, middle)
     assert task.area is not None
@@ -116,7 +116,7 @@ def _displacements(task: OrganMovers, middle: Floats, repeated: NDArray[np.intp]
     is_single = ~shift.any(axis=1)
     if is_single.any():
         ranks = np.arange(2, min(int(repetition[is_single].max()), NEIGHBORS - 1) + 3)
-        tree = cKDTree(middle, balanced_tree=False)
+        tree = KDTree(middle, balanced_tree=False)
         nearest = tree.query(middle[repeated[is_single]], k=ranks)[1]
         neighbor = nearest[np.arange(len(nearest)), repetition[is_single] % NEIGHBORS]
         # A third of the distance, since the neighbour's repetition may be as near from its side.

@@ -145,8 +145,8 @@ def _acceleration(displacement: Vector, span: float, other: Vector, other_span: 
         return 0.0
     weight, other_weight = 2 * other_span + span, other_span + 2 * span
     mean = (weight + other_weight) / (weight / speed + other_weight / other_speed)
-    trust = (_cosine(displacement, other) - MIN_COSINE) / (FULL_COSINE - MIN_COSINE)
-    return float(np.clip(trust, 0.0, 1.0)) * (mean / speed - 1)
+    trust = np.interp(_cosine(displacement, other), (MIN_COSINE, FULL_COSINE), (0.0, 1.0))
+    return float(trust) * (mean / speed - 1)
 
 
 def _cosine(first: Vector, second: Vector) -> float:

@@ -10,7 +10,7 @@ from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import organ_shapes
 from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
-from gclip import Motion
+from gclip import Motion, SegmentPair
 from gclip.pack import Movers
 from tests.baker.interpolation.shapes import leaf, sample
 
@@ -52,7 +52,8 @@ def baked() -> tuple[list[np.ndarray], Match, list[OrganMovers], list[OrganMover
     for organ, members in enumerate(segments):
         a = segments[2] if organ == 3 else members
         movers = Movers(Motion.MOVE, (clouds[0][a], clouds[1][members]), np.full(len(a), organ))
-        tasks.append(OrganMovers(movers, None, None, a, members, organ == 3))
+        pair = SegmentPair(organ, "match", len(a), len(members), len(a))
+        tasks.append(OrganMovers(movers, pair, None, a, members))
     paths = paths_of(clouds, match)
     starts = [task.movers.curve[0] for task in tasks]
     rows = [np.arange(len(start)) for start in starts]
