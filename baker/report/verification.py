@@ -31,7 +31,6 @@ class HoldoutError:
 
     name: str
     date: str
-    time: float
     points: int  #: number of points of the scan
     spacing: float  #: median distance between neighbouring points of the scan
     both: tuple[Distances, Distances]
@@ -59,7 +58,7 @@ def verify(
         pairs = ((scan, reconstruction), (reconstruction, scan))
         nearest = [KDTree(target).query(source)[0] for target, source in pairs]
         first, second = (Distances(*map(float, (d.mean(), d.std(), d.max()))) for d in nearest)
-        named = held.name, held.date, held.time, len(scan), point_spacing(scan)
+        named = held.name, held.date, len(scan), point_spacing(scan)
         errors.append(HoldoutError(*named, (first, second)))
         report_progress("verification", number, len(clip.held_out))
     return errors

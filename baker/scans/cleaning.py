@@ -20,7 +20,6 @@ MAX_STEP_RATIO = 1e-5  # float32 step : size of a scan, above which it gets an o
 MIN_COORDINATE = 1e-18  # smaller ones become 0: their squares are 0 in float32
 MAX_COORDINATE = 1e12  # larger ones mark points that weren't measured (1e30, -1e38, ...)
 MIN_SCAN_SIZE = 1e-9  # products of lengths in a smaller scan underflow in float32
-HASH_FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 OUTLIER_NEIGHBORS = 16
 MIN_VOXEL_RATIO = 2.0**-60  # edge of a voxel : largest coordinate; smaller voxels have no numbers
 
@@ -85,14 +84,8 @@ def drop_non_finite(scan: Scan) -> Scan:
 
 def drop_duplicates(scan: Scan) -> Scan:
     """Keep the first of the points that have the same position, whatever their labels."""
-    # Few points share a position: only those whose hashes are equal are compared.
-    words = np.ascontiguousarray(scan.points).view(np.uint32)
-    hashes = (words.astype(np.uint64) @ HASH_FACTORS).view(np.int64)  # isin of NumPy 2.0 needs it
-    ordered = np.sort(hashes)
-    candidates = np.flatnonzero(np.isin(hashes, ordered[1:][ordered[1:] == ordered[:-1]]))
-    repeated = np.delete(candidates, _groups(scan.points[candidates])[0])
-    kept = np.delete(np.arange(len(scan)), repeated)
-    return _keep(scan, kept, "at exactly the place of another one")
+    _, first = np.unique(_row_bytes(scan.points), return_index=True)
+    return _keep(scan, np.sort(first), "at exactly the place of another one")
 
 
 def drop_outliers(scan: Scan, ratio: float) -> Scan:
@@ -128,7 +121,8 @@ def _one_per_voxel(scan: Scan, voxel: float) -> NDArray[np.intp]:
     points = scan.points.astype(np.float64)
     cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * MIN_VOXEL_RATIO))
     labels = np.zeros(len(scan)) if scan.labels is None else scan.labels.view(np.float64)
-    _, group = _groups(np.column_stack([cells + 0.0, labels]))
+    rows = _row_bytes(np.column_stack([cells + 0.0, labels]))
+    _, group = np.unique(rows, return_inverse=True)
     size = np.bincount(group)
     mean = np.stack([np.bincount(group, axis) / size for axis in scan.points.T], axis=1)
     distance = ((scan.points - mean[group]) ** 2).sum(axis=1)
@@ -137,15 +131,12 @@ def _one_per_voxel(scan: Scan, voxel: float) -> NDArray[np.intp]:
     return np.sort(nearest_first[first])
 
 
-def _groups(rows: NDArray[np.floating]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """Group equal rows (N, k): the index of each group's first row, the (N,) group of each row.
+def _row_bytes(rows: NDArray[np.floating]) -> NDArray[np.void]:
+    """(N,) the bytes of each of (N, k) rows, which must not contain -0.0.
 
-    Equivalent to: ``np.unique(rows, axis=0, return_index=True, return_inverse=True)[1:]``, with the
-    groups in another order, and three times as fast. `rows` must not contain -0.0.
+    `np.unique` sorts them three times as fast as it does the rows with ``axis=0``.
     """
-    row_bytes = np.ascontiguousarray(rows).view(f"V{rows.itemsize * rows.shape[1]}").ravel()
-    _, first, group = np.unique(row_bytes, return_index=True, return_inverse=True)
-    return first, group
+    return np.ascontiguousarray(rows).view(f"V{rows.itemsize * rows.shape[1]}").ravel()
 
 
 def _keep(scan: Scan, kept: np.ndarray, why: str) -> Scan:

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from baker.matching import follow_organs, match_by_label
+from baker.matching.match import follow_organs, match_by_label
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 

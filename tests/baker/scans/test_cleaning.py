@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from baker.errors import InputError
 from baker.scans.cleaning import (
-    _groups,
+    _row_bytes,
     downsample,
     drop_duplicates,
     drop_non_finite,
@@ -107,8 +107,8 @@ def test_points_at_equal_distances_have_no_outliers():
 
 
 @given(lattice)
-def test_groups_are_those_of_numpy(points):
-    first, group = _groups(points)
+def test_equal_rows_have_equal_bytes(points):
+    _, first, group = np.unique(_row_bytes(points), return_index=True, return_inverse=True)
     np.testing.assert_array_equal(points[first][group], points)
     _, expected = np.unique(points, axis=0, return_inverse=True)
     pairs = np.unique(np.stack([group, expected.ravel()]), axis=1)

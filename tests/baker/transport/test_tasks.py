@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from baker.matching import follow_organs, match_by_label
+from baker.matching.match import follow_organs, match_by_label
 from baker.segmentation.from_labels import hierarchy_from_labels
 from baker.transport.tasks import interval_tasks
 
