@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from baker.alignment.keyframes import Keyframe
 from baker.geometry.rigid import rotations_between
-from baker.interpolation.spine import unit
+from baker.interpolation.spine import local_lines, unit
 from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
@@ -99,12 +99,7 @@ def local_regression(
     tricube = np.maximum(1 - (np.abs(lag) / radius[:, None]) ** 3, 0) ** 3
     robustness = np.ones(len(times))
     for _ in range(ROBUST_ITERATIONS):
-        weights = tricube * robustness
-        weights /= weights.sum(axis=1, keepdims=True)
-        mean_lag = (weights * lag).sum(axis=1, keepdims=True)
-        centered = weights * (lag - mean_lag)
-        slope = centered @ values / np.maximum((centered * lag).sum(axis=1, keepdims=True), 1e-300)
-        fitted = weights @ values - mean_lag * slope
+        fitted, _ = local_lines(tricube * robustness, lag, values, 1e-300)
         residual = np.linalg.norm(values - fitted, axis=1)
         median = float(np.median(residual))
         if median <= 1e-12 * (1 + np.abs(values).max()):

@@ -51,13 +51,24 @@ def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:
     along = np.clip(lengths / length, 0.0, 1.0)
     lag = along[None, :] - levels()[:, None]
     weight = np.exp(-0.5 * (lag / KERNEL_WIDTH) ** 2) + 1e-12
-    total = weight.sum(axis=1)
-    mean_lag = (weight * lag).sum(axis=1) / total
-    mean_point = weight @ points / total[:, None]
-    centered = weight * (lag - mean_lag[:, None])
-    spread = (centered * (lag - mean_lag[:, None])).sum(axis=1) / total
-    slope = centered @ points / total[:, None] / (spread[:, None] + 1e-4 * KERNEL_WIDTH**2)
-    return Spine(mean_point - mean_lag[:, None] * slope, unit(slope), along)
+    nodes, slopes = local_lines(weight, lag, points, 1e-4 * KERNEL_WIDTH**2)
+    return Spine(nodes, unit(slopes), along)
+
+
+def local_lines(
+    weights: NDArray[np.float64], lag: NDArray[np.float64], values: Points, ridge: float
+) -> tuple[Points, Points]:
+    """Fit a line to (n, d) values by weighted least squares around each of m places.
+
+    weights, lag: (m, n) of the values, and how far they are beyond each place. ridge: is added to
+    the variance of the lag, so that it is never 0. Returns (m, d) values and slopes at the places.
+    """
+    weights = weights / weights.sum(axis=1, keepdims=True)
+    mean_lag = (weights * lag).sum(axis=1, keepdims=True)
+    centered = weights * (lag - mean_lag)
+    variance = (centered * (lag - mean_lag)).sum(axis=1, keepdims=True)
+    slopes = centered @ values / (variance + ridge)
+    return weights @ values - mean_lag * slopes, slopes
 
 
 def levels() -> NDArray[np.float64]:
