@@ -90,7 +90,14 @@ def locate(clip: Clip, day: float) -> tuple[int, float]:
 
 
 def layers_at(clip: Clip, day: float) -> list[Layer]:
-    """The layers that are visible at a time: those of the plant, then those of the litter."""
+    """The layers that are visible at a time: those of the plant, then those of the litter.
+
+    Parameters
+    ----------
+    clip : Clip
+    day : float
+        In the clip's unit of time.
+    """
     index, share = locate(clip, day)
     plant, litter = [], []
     for group in clip.intervals[index].groups:
@@ -110,7 +117,18 @@ def layers_at(clip: Clip, day: float) -> list[Layer]:
 
 
 def bernstein(degree: int, parameter: float) -> NDArray[np.float64]:
-    """(degree + 1,) Bernstein weights of the Bézier points at u, which sum to 1."""
+    """Weights of the points of a Bézier curve: its Bernstein polynomials, which sum to 1.
+
+    Parameters
+    ----------
+    degree : int
+    parameter : float
+        Of the curve, in [0, 1].
+
+    Returns
+    -------
+    (degree + 1,) float64
+    """
     d, u = degree, parameter
     return np.array([math.comb(d, i) * u**i * (1.0 - u) ** (d - i) for i in range(d + 1)])
 
@@ -230,7 +248,18 @@ def palette_at(clip: Clip, interval: int, share: float) -> NDArray[np.uint8]:
 
 
 def newborn(clip: Clip, interval: int) -> dict[int, int]:
-    """The tracks that are born in an interval, each with the older track that it grows from."""
+    """Find the organs that are born in an interval.
+
+    Parameters
+    ----------
+    clip : Clip
+    interval : int
+
+    Returns
+    -------
+    dict of int to int
+        Track -> the older track that it grows from, by way of other new tracks or none.
+    """
     start, end = clip.intervals[interval].start, clip.intervals[interval].end
     parents = {t.id: t.parent for t in clip.track_table if start < t.born <= end}
     ancestors = {}

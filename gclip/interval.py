@@ -55,7 +55,22 @@ class Interval(IntervalHeader):
 def read_interval(
     container: Container, index: int, entry: IntervalEntry | Interval, tracks: int
 ) -> Interval:
-    """Read interval number `index` and check its buffers. Raises ClipError."""
+    """Read the buffers of an interval and check them.
+
+    Parameters
+    ----------
+    container : Container
+    index : int
+        Number of the interval, from which its buffers are named.
+    entry : IntervalEntry or Interval
+    tracks : int
+        Number of tracks of the clip.
+
+    Raises
+    ------
+    ClipError
+        If a buffer is missing, has another shape or type, or holds wrong values.
+    """
     count = entry.groups[-1].stop
     names = _curve_names(index, entry.degree)
     if entry.box is None:

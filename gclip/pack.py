@@ -84,7 +84,19 @@ def pack_interval(
 
 
 def elevate_degree(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], ...]:
-    """Elevate the degree of Bézier curves without changing them (Farin 2002, section 6.1)."""
+    """Elevate the degree of Bézier curves without changing them.
+
+    Parameters
+    ----------
+    curve : tuple of (N, 3) ndarray
+        The points of the curves: start, control points, end.
+    degree : int
+        Of the returned curves, at least that of the given ones.
+
+    References
+    ----------
+    G. Farin, Curves and Surfaces for CAGD, 2002, section 6.1.
+    """
     for low in range(len(curve) - 1, degree):
         inner = [
             (curve[i - 1] * i + curve[i] * (low + 1 - i)) / (low + 1) for i in range(1, low + 1)

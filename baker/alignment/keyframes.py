@@ -52,12 +52,19 @@ class AlignedSeries:
 
 
 def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
-    """Transform the scans to the common frame."""
+    """Transform the scans to the common frame.
+
+    Parameters
+    ----------
+    series : Series
+    alignment : Alignment
+        Of the same scans. Scans that it does not move stay exactly the same.
+    """
     keyframes = []
     scans = zip(series.scans, alignment.transforms, alignment.bases, strict=True)
     for scan, transform, base in scans:
         positions = scan.points
-        if not np.array_equal(transform, np.eye(4)):  # scans that don't move stay exactly the same
+        if not np.array_equal(transform, np.eye(4)):
             moved = scan.points @ transform[:3, :3].T + transform[:3, 3]
             positions = moved.astype(np.float32)
         opaque = np.full((len(scan), 1), 255, np.uint8)

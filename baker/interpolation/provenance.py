@@ -18,7 +18,21 @@ from gclip import Track, __version__
 
 
 def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -> tuple[Track, ...]:
-    """The tracks of the organs, named by corrections, by the labels of the scans, or by number."""
+    """Make the tracks of a clip, named by corrections, by the labels of the scans, or by number.
+
+    Parameters
+    ----------
+    series : Series
+        The scans that were baked.
+    organs : sequence of Organ
+        The root first.
+    labels : LabelUse
+
+    Raises
+    ------
+    InputError
+        If a correction gives an organ the name of another one.
+    """
     by_label, scans = labels.are_names, series.scans
     times = [*(scan.time for scan in scans), None]
     is_stem = not (by_label and organs[0].label is None)  # else the root is virtual
@@ -102,7 +116,17 @@ def software(
 ) -> dict[str, dict[str, str]]:
     """Versions of the program, and of the packages on which the numbers in a clip depend.
 
-    Open3D is one of them if a scan is a mesh, or if outliers are removed.
+    Parameters
+    ----------
+    scans : iterable of Path
+        If one is a mesh, Open3D is one of the packages.
+    outliers : float, optional
+        The option of that name; if outliers are removed, Open3D is one of the packages.
+
+    Returns
+    -------
+    dict
+        "program": its name and version; "packages": their versions by name.
     """
     packages = {name: version(name) for name in ("numpy", "scipy", "numba")}
     if outliers is not None or any(READERS.get(suffix_of(path)) == "mesh" for path in scans):

@@ -187,7 +187,19 @@ def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -
 def organ_names(
     labels: Sequence[Labels], corrections: Sequence[PointCorrection]
 ) -> dict[int, PointCorrection]:
-    """Label -> the last correction that names the organ."""
+    """Find the corrections that name organs.
+
+    Parameters
+    ----------
+    labels : sequence of (N,) int
+        The organ of each point of each scan, with consistent labels.
+    corrections : sequence of PointCorrection
+
+    Returns
+    -------
+    dict of int to PointCorrection
+        Label -> the last correction that names the organ.
+    """
     names = (each for each in corrections if each.kind == "name")
     return {int(labels[k][point]): each for each in names for k, point in each.places}
 

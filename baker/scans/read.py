@@ -66,6 +66,7 @@ def read_series(
     options = options or Options()
     listing = list_series(inputs, options, times)
     series = listing.series
+    resolved = options.for_series(series.fixed, series.length, series.root)
     if report_progress:
         map = reporting(map, report_progress, len(series.scans))
     with ChildProcess() as child:
@@ -76,18 +77,16 @@ def read_series(
     are_needed = options.labels in ("consistent", "independent")
     scans, field, words, labels = choose_labels(scans, is_asked, are_needed, map)
     scans, dropped = drop_labels(scans, words, options.drop_label, keep_ground)
-    up = "z" if listing.images and options.up == "auto" else options.up
-    scans, ground_up, ground = remove_ground(scans, up, keep_ground, map)
+    scans, ground_up, ground = remove_ground(scans, resolved.up, keep_ground, map)
     scans = list(map(partial(_downsampled, options=options), scans))
     if uncolored := [f"'{scan.name}'" for scan in scans if scan.colors is None]:
         note = f"colours left out ({excerpt(', '.join(uncolored))} without colours)."
         scans = [s if s.colors is None else replace(s, colors=None).noting(note) for s in scans]
-    unit = options.unit or series.length
-    size = require_one_unit(scans, unit)
+    size = require_one_unit(scans, resolved.unit)
     return replace(
         series,
         scans=tuple(scans),
-        length=unit,
+        length=resolved.unit,
         label_field=field,
         label_words=words,
         findings=(*series.findings, *labels, *dropped, *ground, size),
