@@ -93,14 +93,13 @@ def label_policy(
     InputError
         If labels are requested but no scan has any, or a scan has more than `MOST_ORGANS`.
     """
-    if requested == "ignore":
-        return LabelUse((None,) * len(labels), False, (Finding("labels", "not used, as asked"),))
     given = [k for k, organs in enumerate(labels) if organs is not None]
-    if not given:
-        if requested != "auto":
-            raise InputError(f"The scans have no labels; --labels {requested} needs them.")
+    if not given and requested in ("consistent", "independent"):
+        raise InputError(f"The scans have no labels; --labels {requested} needs them.")
+    if not given or requested == "ignore":
         found = "none; organs are found and followed by their shapes"
-        return LabelUse((None,) * len(labels), False, (Finding("labels", found),))
+        finding = Finding("labels", "not used, as asked" if requested == "ignore" else found)
+        return LabelUse((None,) * len(labels), False, (finding,))
     present = [np.asarray(labels[k]) for k in given]
     counts = [len(np.unique(organs)) for organs in present]
     for k, count in zip(given, counts, strict=True):
