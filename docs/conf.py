@@ -33,10 +33,7 @@ def options_of(command: str) -> str:
     from typer import Context
     from typer.main import get_command
 
-    from gclip.terminal.command import without_types
-
     parser = get_command(import_module(f"{PACKAGES[command]}.cli").app)
-    without_types(parser)
     context = Context(parser, info_name=command)
     panels: dict[str, list[str]] = {}
     for one in parser.get_params(context):

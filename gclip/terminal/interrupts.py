@@ -15,7 +15,9 @@ Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
 
 STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+SEND = getattr(signal, "pthread_kill", lambda thread, number: signal.raise_signal(number))
 RETRY = 0.01  # seconds until a signal that could not be handled is sent again
+IMPORTING = "<frozen importlib._bootstrap>"  # the file of a frame that imports a module
 
 
 def uninterrupted(
@@ -33,28 +35,26 @@ def uninterrupted(
 UNINTERRUPTED = {f.__code__ for f in (uninterrupted, Popen.__init__, TemporaryDirectory.__init__)}
 
 
-def until_interrupted(work: Callable[[], int | None], received: list[int]) -> int | None:
-    """Call `work`; the first stop signal raises KeyboardInterrupt in it and is added to `received`.
+def until_interrupted(work: Callable[[], int | None]) -> int | None:
+    """Call `work`; the first stop signal raises KeyboardInterrupt in it, with its number.
 
     Later signals are ignored, so that files can be removed. The signal is sent again where the
     exception would be lost (in ``__del__``, or while a module is imported) or do harm (in
     `UNINTERRUPTED`). Signals that the process was started to ignore, as by nohup, stay ignored.
     """
-    main_thread = threading.main_thread()
-    if threading.current_thread() is not main_thread:
-        return work()
+    received: list[int] = []
+    pending: list[threading.Timer] = []
 
     def on_signal(number: int, frame: FrameType | None) -> None:
+        if received:
+            return
         codes = (outer.f_code for outer, _ in walk_stack(frame))
         running = takewhile(lambda code: code is not until_interrupted.__code__, codes)
-        importing = "<frozen importlib._bootstrap>"
-        if not received and any(
-            code in UNINTERRUPTED or code.co_filename == importing for code in running
-        ):
+        if any(code in UNINTERRUPTED or code.co_filename == IMPORTING for code in running):
             send_again(number)
-        elif not received:
+        else:
             received.append(number)
-            raise KeyboardInterrupt
+            raise KeyboardInterrupt(number)
 
     def on_unraisable(dropped: "sys.UnraisableHookArgs") -> None:
         if received and issubclass(dropped.exc_type, KeyboardInterrupt):
@@ -63,11 +63,11 @@ def until_interrupted(work: Callable[[], int | None], received: list[int]) -> in
             hook(dropped)
 
     def send_again(number: int) -> None:
-        send = getattr(signal, "pthread_kill", lambda thread, number: signal.raise_signal(number))
-        pending.append(threading.Timer(RETRY, send, [main_thread.ident, number]))
+        pending.append(threading.Timer(RETRY, SEND, [threading.main_thread().ident, number]))
         pending[-1].start()
 
-    pending: list[threading.Timer] = []
+    if threading.current_thread() is not threading.main_thread():
+        return work()
     hook, default = sys.unraisablehook, (signal.SIG_DFL, signal.default_int_handler)
     before = {n: signal.getsignal(n) for n in STOPS if signal.getsignal(n) in default}
     try:

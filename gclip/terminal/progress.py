@@ -21,17 +21,15 @@ class StageProgress:
 
         stderr: Any = Lossy(sys.stderr)
         self._console = Console(file=stderr, quiet=quiet, soft_wrap=True)
-        has_bars = self._console.is_terminal and not quiet
-        self.plain = not quiet and not has_bars  #: whether lines are printed instead of bars
+        self.plain = not (quiet or self._console.is_terminal)  #: lines instead of bars
         self.seconds: dict[str, float] = {}  #: stage -> duration, of the stages that are finished
         self.bars = Progress(
             "{task.description:<14}",
             BarColumn(),
             MofNCompleteColumn(),
-            "{task.fields[seconds]:5.1f} s",
-            TimeRemainingColumn(),
+            TimeRemainingColumn(elapsed_when_finished=True),
             console=self._console,
-            disable=not has_bars,
+            disable=quiet or self.plain,
             redirect_stdout=False,
             redirect_stderr=False,
         )
@@ -51,10 +49,8 @@ class StageProgress:
     def __call__(self, stage: str, done: int, total: int) -> None:
         if stage != self._stage:
             self._finish()
-            self._stage = stage
-            self._task = self.bars.add_task(stage, total=total, seconds=0.0)
-        elapsed = time.perf_counter() - self._began
-        self.bars.update(self._task, completed=done, total=total, seconds=elapsed)
+            self._stage, self._task = stage, self.bars.add_task(stage)
+        self.bars.update(self._task, completed=done, total=total)
 
     def say(self, sentence: str) -> None:
         """Print a line above the bars."""

@@ -67,13 +67,6 @@ def test_outcomes(
 @pytest.mark.parametrize(
     ("module", "variable", "value", "said"),
     [
-        (
-            "numpy.f2py",
-            "SOURCE_DATE_EPOCH",
-            "then",
-            "can't be loaded in this environment: .*'then'",
-        ),
-        ("numba", "NUMBA_NUM_THREADS", "0", "can't be loaded in this environment: .* must be > 0"),
         ("numba", "NUMBA_NUM_THREADS", "many", "warning: .*'NUMBA_NUM_THREADS'.*'many'.*parsed"),
         ("traits.neighborhoods", "NUMBA_DISABLE_JIT", "1", "NUMBA_DISABLE_JIT is set .* unset it"),
     ],
@@ -145,9 +138,7 @@ def test_words_that_typer_refuses_are_a_sentence(capsys: pytest.CaptureFixture[s
     app = typer.Typer(add_completion=False)
 
     @app.command()
-    def work(count: int = 1, code: int = 0, stop: bool = False) -> None:
-        if stop:
-            raise typer.Abort
+    def work(count: int = 1, code: int = 0) -> None:
         raise typer.Exit(code)
 
     assert run_app(app, "play", ["--count", "many"]) == 2
@@ -155,8 +146,6 @@ def test_words_that_typer_refuses_are_a_sentence(capsys: pytest.CaptureFixture[s
     assert run_app(app, "play", ["--code", "0"]) == 0
     assert run_app(app, "play", ["--code", "2"]) == 2
     assert run_app(app, "play", ["--code", "130"]) == 130
-    assert run_app(app, "play", ["--stop"]) == 130
-    assert capsys.readouterr().err.count("stopped;") == 1
 
 
 def test_a_typer_app_may_write_to_a_reader_that_goes_away() -> None:
