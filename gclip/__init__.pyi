@@ -1,8 +1,7 @@
 from .clip import Clip, HeldOutScan, PointField, Track, open
 from .errors import ClipError, UserError
 from .evaluate import Frame, Layer
-from .interval import Interval
-from .schema import Box, Group, Motion, ScanMark, SegmentPair
+from .schema import Box, Group, Interval, Motion, ScanMark, SegmentPair
 
 __version__: str
 

@@ -22,10 +22,10 @@ from gclip.corrections import corrections_file, read_corrections
 from gclip.document import checksum, read_document, write_document
 from gclip.errors import ClipError, UserError
 from gclip.evaluate import Frame, frame_at
-from gclip.file import Container, open_container, write_container
-from gclip.interval import Interval, read_interval, read_positions
+from gclip.file import KEY, Container, open_container, read_interval
 from gclip.places import rename_organs
-from gclip.schema import ClipHeader, Document, IntervalEntry, ScanMark, TrackEntry, attributes
+from gclip.schema import ClipHeader, Document, Interval, ScanMark, TrackEntry, attributes
+from gclip.terminal.atomic import atomic_file
 
 if TYPE_CHECKING:
     from open3d.geometry import PointCloud
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 ROUNDING = 1e-9  # share of the series' length by which a time may be outside
 FIELD = "%04d/field%d"  # name of a buffer, by interval and field
 HELD_OUT = "held_out/%04d"  # name of a buffer, by the scan that was left out
+WRITTEN = ["start", "end", "degree", "groups", "box", "segments"]  # of an interval, besides buffers
 
 
 @dataclass(frozen=True)
@@ -191,23 +192,22 @@ class Clip(ClipHeader):
 
         Raises
         ------
+        UserError
+            If `path` can't be written, or exists and is not to be replaced.
         ClipError
-            If `path` can't be written, or exists and is not to be replaced, or `gclip.open` would
-            refuse the clip.
+            If `gclip.open` would refuse the clip.
         """
-        arrays: dict[str, NDArray[Any]] = {
-            HELD_OUT % i: np.asarray(s.positions, np.float32) for i, s in enumerate(self.held_out)
-        }
-        for index, interval in enumerate(self.intervals):
-            arrays |= interval.buffers(index)
-            arrays |= {FIELD % (index, i): f.values[index] for i, f in enumerate(self.fields)}
-        buffers = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+        from safetensors import SafetensorError
+        from safetensors.numpy import save_file
+
+        buffers = {name: np.ascontiguousarray(array) for name, array in _buffers(self).items()}
         text = write_document(_content(self), {name: checksum(b) for name, b in buffers.items()})
         try:
             read_document(text, len(text) + sum(buffer.nbytes for buffer in buffers.values()))
-        except ClipError as error:
+            with atomic_file(Path(path), force) as part:
+                save_file(buffers, part, {KEY: text})
+        except (ClipError, SafetensorError) as error:
             raise ClipError(f"{os.fspath(path)} can't be written: {error}.") from None
-        write_container(text, buffers, Path(path), force)
 
 
 def open(path: str | os.PathLike[str]) -> Clip:
@@ -259,18 +259,28 @@ def clip_in(container: Container, document: Document) -> Clip:
         for i, name in enumerate(document.fields)
     )
     held_out = tuple(
-        HeldOutScan(s.name, s.time, s.date, read_positions(container, HELD_OUT % i, s.points))
+        HeldOutScan(s.name, s.time, s.date, container.positions(HELD_OUT % i, s.points))
         for i, s in enumerate(document.held_out)
     )
-    if container.unread:
-        raise ClipError(f'it holds a buffer "{min(container.unread)[:40]}" that nothing names')
-    return Clip(
+    clip = Clip(
         intervals=intervals,
         track_table=tuple(Track(i, **vars(track)) for i, track in enumerate(document.tracks)),
         fields=fields,
         held_out=held_out,
         **attributes(document, ClipHeader),
     )
+    if unknown := container.buffers.keys() - _buffers(clip):
+        raise ClipError(f'it holds a buffer "{min(unknown)[:40]}" that nothing names')
+    return clip
+
+
+def _buffers(clip: Clip) -> dict[str, NDArray[Any]]:
+    """The arrays of a clip by the names of their buffers."""
+    buffers = {HELD_OUT % i: scan.positions for i, scan in enumerate(clip.held_out)}
+    for index, interval in enumerate(clip.intervals):
+        buffers |= interval.buffers(index)
+        buffers |= {FIELD % (index, i): f.values[index] for i, f in enumerate(clip.fields)}
+    return buffers
 
 
 def _content(clip: Clip) -> dict[str, Any]:
@@ -279,7 +289,7 @@ def _content(clip: Clip) -> dict[str, Any]:
     return {
         **attributes(clip, ClipHeader),
         "tracks": [attributes(track, TrackEntry) for track in clip.track_table],
-        "intervals": [attributes(i, IntervalEntry) for i in clip.intervals],
+        "intervals": [{name: getattr(i, name) for name in WRITTEN} for i in clip.intervals],
         **({"held_out": held_out} if held_out else {}),
         **({"fields": [field.name for field in clip.fields]} if clip.fields else {}),
     }

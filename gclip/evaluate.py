@@ -12,11 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip.file import check_not_truncated
-from gclip.schema import Group, Motion
+from gclip.schema import Group, Interval, Motion
 
 if TYPE_CHECKING:
     from gclip.clip import Clip, PointField
-    from gclip.interval import Interval
 
 LITTER_FADE = 0.15  # share of the following interval during which fallen organs fade
 

@@ -1,4 +1,4 @@
-"""Read and write files of clips: a safetensors container with a JSON document (docs/format.md).
+"""Read files of clips: a safetensors container with a JSON document (docs/format.md).
 
 No code from the file is executed; buffers are views of the memory-mapped file.
 """
@@ -6,10 +6,8 @@ No code from the file is executed; buffers are views of the memory-mapped file.
 import math
 import mmap
 import os
-import re
 import stat
-from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -17,8 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.errors import ClipError, UserError
-from gclip.terminal.atomic import atomic_file
+from gclip.errors import ClipError
+from gclip.schema import CURVES, MAX_NUMBER, OPTIONAL, Interval
 from gclip.text import printable
 
 KEY = "gclip"
@@ -34,7 +32,6 @@ class Container:
     text: str  #: the document
     buffers: dict[str, NDArray[Any]]  #: read-only views of the file, by name
     size: int  #: of the file, in bytes
-    unread: set[str]  #: names of the buffers that `take` has not returned yet
 
     def take(self, name: str, shape: tuple[int, ...], *dtypes: type) -> NDArray[Any]:
         """The buffer of a name. Raises ClipError unless it has this shape and one of the dtypes."""
@@ -45,8 +42,16 @@ class Container:
             found = f"{buffer.dtype.name} {buffer.shape}"
             needed = f"{' or '.join(np.dtype(dtype).name for dtype in dtypes)} {shape}"
             raise ClipError(f'its buffer "{name}" is {found}, not {needed} as the document needs')
-        self.unread.discard(name)
         return buffer
+
+    def positions(self, name: str, count: int) -> NDArray[np.float32]:
+        """A buffer of (count, 3) local positions. Raises ClipError unless they are finite."""
+        points = self.take(name, (count, 3), np.float32)
+        # Comparisons with NaN, which is the minimum and maximum of an array with NaN, are False.
+        if count and not (points.min() >= -MAX_NUMBER and points.max() <= MAX_NUMBER):
+            found = f"a position that is not finite, or beyond {MAX_NUMBER:g}"
+            raise ClipError(f'its buffer "{name}" holds {found}')
+        return points
 
 
 class Mapped(mmap.mmap):
@@ -70,6 +75,8 @@ def check_not_truncated(buffer: NDArray[Any]) -> None:
 
 def open_container(path: Path) -> Container:
     """Map a file. Raises ClipError, without the file's name, if it is not a complete container."""
+    from safetensors import SafetensorError
+
     try:
         before = os.stat(path)
         if not stat.S_ISREG(before.st_mode):
@@ -78,14 +85,17 @@ def open_container(path: Path) -> Container:
             length = _header_length(file.read(8), before.st_size)
             mapped = Mapped(file.fileno(), 0, access=mmap.ACCESS_READ)
         mapped.name = os.fspath(path)
-        text, buffers = _read_header(path, np.frombuffer(mapped, np.uint8), 8 + length)
+        container = _read_header(path, np.frombuffer(mapped, np.uint8), 8 + length)
         if identity(before) != identity(os.stat(path)):
             raise ClipError("it is being written right now; try again")
-    except (FileNotFoundError, ValueError):  # ValueError: a name with a null character
+    except FileNotFoundError:
         raise ClipError("no such file") from None
     except OSError as error:
         raise ClipError(f"it can't be read: {error.strerror or error}") from None
-    return Container(text, buffers, len(mapped), set(buffers))
+    except (SafetensorError, ValueError) as error:
+        reason = printable(str(error), 200)
+        raise ClipError(f"not a growth clip, or cut short or damaged ({reason})") from None
+    return container
 
 
 def _header_length(start: bytes, size: int) -> int:
@@ -97,48 +107,60 @@ def _header_length(start: bytes, size: int) -> int:
     return length
 
 
-def _read_header(
-    path: Path, data: NDArray[np.uint8], first: int
-) -> tuple[str, dict[str, NDArray[Any]]]:
+def _read_header(path: Path, data: NDArray[np.uint8], first: int) -> Container:
     """Read the document of a file, and map its buffers, of which the first is at byte `first`.
 
     safetensors checks that the buffers follow each other without gaps up to the end of the file.
     """
-    from safetensors import SafetensorError, safe_open
+    from safetensors import safe_open
 
-    buffers: dict[str, NDArray[Any]] = {}
-    try:
-        with safe_open(path, framework="numpy") as header:
-            text = (header.metadata() or {}).get(KEY)
-            if text is None:
-                raise ClipError('not a growth clip: a safetensors file without the key "gclip"')
-            for name in header.offset_keys():
-                view = header.get_slice(name)
-                kind, shape = view.get_dtype(), view.get_shape()
-                if kind not in DTYPES:
-                    found = f'its buffer "{name[:40]}" is of type {kind}'
-                    raise ClipError(f"{found}; {', '.join(DTYPES)} are allowed")
-                end = first + math.prod(shape) * np.dtype(DTYPES[kind]).itemsize
-                buffers[name] = data[first:end].view(DTYPES[kind]).reshape(shape)
-                first = end
-    except (SafetensorError, ValueError) as error:
-        reason = printable(str(error), 200)
-        raise ClipError(f"not a growth clip, or cut short or damaged ({reason})") from None
-    return text, buffers
+    buffers = {}
+    with safe_open(path, framework="numpy") as header:
+        text = (header.metadata() or {}).get(KEY)
+        if text is None:
+            raise ClipError('not a growth clip: a safetensors file without the key "gclip"')
+        for name in header.offset_keys():
+            view = header.get_slice(name)
+            kind, shape = view.get_dtype(), view.get_shape()
+            if kind not in DTYPES:
+                found = f'its buffer "{name[:40]}" is of type {kind}'
+                raise ClipError(f"{found}; {', '.join(DTYPES)} are allowed")
+            end = first + math.prod(shape) * np.dtype(DTYPES[kind]).itemsize
+            buffers[name] = data[first:end].view(DTYPES[kind]).reshape(shape)
+            first = end
+    return Container(text, buffers, len(data))
 
 
-def write_container(
-    text: str, buffers: Mapping[str, NDArray[Any]], path: Path, force: bool = True
-) -> None:
-    """Write a file as `atomic_file` does. Raises ClipError if it can't be written."""
-    from safetensors import SafetensorError
-    from safetensors.numpy import save_file
+def read_interval(container: Container, index: int, entry: Interval, tracks: int) -> Interval:
+    """Read the buffers of an interval and check them.
 
-    try:
-        with atomic_file(path, force) as part:
-            save_file(dict(buffers), part, {KEY: text})
-    except UserError as error:
-        raise ClipError(str(error)) from None
-    except SafetensorError as error:
-        reason = re.sub(r".*I/O error: (.*) \(os error \d+\)", r"\1", str(error))
-        raise ClipError(f"{path} can't be written: {reason}.") from None
+    Parameters
+    ----------
+    container : Container
+    index : int
+        Number of the interval, from which its buffers are named.
+    entry : Interval
+        As the document has it; its own buffers are ignored.
+    tracks : int
+        Number of tracks of the clip.
+
+    Raises
+    ------
+    ClipError
+        If a buffer is missing, has another shape or type, or holds wrong values.
+    """
+    count, folder = entry.groups[-1].stop, f"{index:04d}/"
+    names = [folder + name for name in CURVES[entry.degree]]
+    if entry.box is None:
+        curve = [container.positions(name, count) for name in names]
+    else:
+        curve = [container.take(name, (count, 3), np.uint16) for name in names]
+    ids = container.take(f"{folder}track", (count,), np.uint16, np.uint32)
+    if (largest := int(ids.max())) >= tracks:
+        found = f'its buffer "{folder}track" names track {largest}'
+        raise ClipError(f"{found}; only {tracks} tracks are named")
+    present = {field for field, name in OPTIONAL.items() if folder + name in container.buffers}
+    if present & {"start_colors", "end_colors"}:  # both are required if one is present
+        present |= {"start_colors", "end_colors"}
+    optional = {f: container.take(folder + OPTIONAL[f], (count, 4), np.uint8) for f in present}
+    return replace(entry, curve=tuple(curve), tracks=ids, **optional)

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.interval import OPTIONAL, Interval
 from gclip.morton import block_shuffle, extent
-from gclip.schema import Box, Group, Motion, SegmentPair
+from gclip.schema import OPTIONAL, Box, Group, Interval, Motion, SegmentPair
 
 LEVELS = 65535  # quantisation levels along each axis of the box
 MAX_STEP = 0.01  # of quantisation, as a share of the point spacing
@@ -74,6 +73,7 @@ def pack_interval(
     return Interval(
         start=start,
         end=end,
+        degree=degree,
         box=box,
         groups=tuple(groups),
         curve=tuple(_packed(curve.pop(0), box, order) for _ in range(degree + 1)),

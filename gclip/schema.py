@@ -13,9 +13,20 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
+from gclip.morton import extent
+
 MAX_NUMBER = 1e18  # its square is finite in float32, the precision of a GPU
 MIN_DURATION = 1e-9  # of an interval
 MAX_DEPTH = 32  # of nested objects and lists in `provenance`
+
+CURVES = {
+    1: ("start", "end"),
+    2: ("start", "control1", "end"),
+    3: ("start", "control1", "control2", "end"),
+}
+"""Degree of curves -> names of the buffers of their points in a file."""
+OPTIONAL = {"start_colors": "start_color", "end_colors": "end_color", "normals": "normals"}
+"""Optional fields of an interval, (N, 4) uint8 -> names of their buffers."""
 
 Text = Annotated[str, Meta(max_length=1000)]
 Number = Annotated[float, Meta(ge=-MAX_NUMBER, le=MAX_NUMBER)]
@@ -103,27 +114,48 @@ class TrackEntry:
 
 
 @dataclass(frozen=True, kw_only=True)
-class IntervalHeader:
-    """What an interval and its entry in the document have in common."""
+class Interval:
+    """The movers between two successive scans, as buffers that a GPU can use.
+
+    A document has the fields up to `segments`; the others are buffers of the file.
+    """
 
     start: Number  #: time of the first scan
     end: Number  #: time of the second scan
+    degree: Annotated[int, Meta(ge=1, le=3)]  #: of the Bézier curves
     groups: tuple[Group, ...]  #: consecutive runs of movers, MOVE first
     box: Box | None = None  #: the range of quantised positions; None if they are float32
     segments: tuple[SegmentPair, ...] = ()  #: how the transport was solved
+    curve: tuple[NDArray[Any], ...] = ()
+    """The Bézier points from start to end: degree + 1 arrays (N, 3), uint16 or, relative to the
+    clip's origin, float32."""
+    tracks: NDArray[Any] = field(default_factory=lambda: np.zeros(0, np.uint16))
+    """(N,) uint16 or uint32 track ids."""
+    start_colors: NDArray[np.uint8] | None = None  #: (N, 4) sRGB and alpha; None: the tracks'
+    end_colors: NDArray[np.uint8] | None = None
+    normals: NDArray[np.uint8] | None = None  #: (N, 4) octahedral, at start and end
 
     def __post_init__(self) -> None:
         stops = [0, *(group.stop for group in self.groups)]
         _require(self.end - self.start >= MIN_DURATION, "it must end later than it starts")
         _require([g.first for g in self.groups] == stops[:-1], "its groups do not cover its movers")
         _require(stops[-1] > 0, "it holds no movers; at least one is needed")
+        _require(len(self.curve) in (0, self.degree + 1), "its curves are of another degree")
 
+    @property
+    def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Lower and upper corner of the bounding box of all curves, with control points."""
+        corners = extent(*self.curve) if self.box is None else (self.box.low, self.box.high)
+        return np.array(corners[0], float), np.array(corners[1], float)
 
-@dataclass(frozen=True, kw_only=True)
-class IntervalEntry(IntervalHeader):
-    """The entry of an interval in the document, without its buffers."""
+    def buffers(self, index: int) -> dict[str, NDArray[Any]]:
+        """The arrays by the names of their buffers, for interval number `index`."""
+        arrays = {"track": self.tracks, **{n: getattr(self, f) for f, n in OPTIONAL.items()}}
+        arrays |= dict(zip(CURVES[self.degree], self.curve, strict=True))
+        return {f"{index:04d}/{name}": a for name, a in arrays.items() if a is not None}
 
-    degree: Annotated[int, Meta(ge=1, le=3)]
+    def __len__(self) -> int:
+        return len(self.tracks)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,7 +182,7 @@ class Document(ClipHeader):
 
     version: Text
     tracks: Annotated[tuple[TrackEntry, ...], Meta(min_length=1)]
-    intervals: Annotated[tuple[IntervalEntry, ...], Meta(min_length=1)]
+    intervals: Annotated[tuple[Interval, ...], Meta(min_length=1)]
     fields: tuple[Text, ...] = ()
     held_out: tuple[ScanMark, ...] = ()
     sha256: dict[str, Digest] = field(default_factory=dict)

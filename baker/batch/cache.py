@@ -23,9 +23,9 @@ from baker.errors import InputError
 from baker.geometry.parallel import ReportProgress
 from baker.interpolation.interval_job import IntervalJob, IntervalSolver
 from baker.interpolation.provenance import software
+from gclip import Interval
 from gclip.errors import ClipError, UserError
-from gclip.file import Container
-from gclip.interval import Interval, read_interval
+from gclip.file import Container, read_interval
 from gclip.terminal.atomic import atomic_file, writing
 
 
@@ -96,7 +96,7 @@ class Cache:
                 return None
             found = msgspec.msgpack.decode(entry[32:], type=Interval, dec_hook=_decode_array)
             buffers = found.buffers(0)
-            read_interval(Container("", buffers, 0, {*buffers}), 0, found, tracks)
+            read_interval(Container("", buffers, 0), 0, found, tracks)
             return found if (found.start, found.end) == job.times else None
         return None
 

@@ -49,7 +49,7 @@ def held_out_as_clip(clip: Clip, number: int) -> tuple[Clip, NDArray[np.float64]
     interval = Interval(
         start=clip.times[0],
         end=clip.times[-1],
-        box=None,
+        degree=1,
         groups=(Group(0, len(scan.positions), Motion.MOVE),),
         curve=(scan.positions, scan.positions),
         tracks=np.asarray(frame.tracks)[nearest].astype(np.uint32),

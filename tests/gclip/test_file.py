@@ -97,14 +97,14 @@ def test_a_failed_save_keeps_the_old_clip(make_clip, tmp_path, monkeypatch):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(gclip.ClipError, match="No space left"):
+    with pytest.raises(gclip.UserError, match="No space left"):
         make_clip(degree=2).save(tmp_path / "c.gclip")
     assert (tmp_path / "c.gclip").read_bytes() == before
     assert len(list(tmp_path.iterdir())) == 1
 
 
 def test_missing_folder_is_a_sentence(make_clip, tmp_path):
-    with pytest.raises(gclip.ClipError, match="No such file or directory"):
+    with pytest.raises(gclip.UserError, match="No such file or directory"):
         make_clip().save(tmp_path / "nowhere" / "c.gclip")
 
 

@@ -66,6 +66,7 @@ def clip_of(count: int) -> Clip:
     interval = Interval(
         start=0.0,
         end=1.0,
+        degree=2,
         box=Box((0.0, 0.0, 0.0), (1.0, 1.0, 1.0)),
         groups=(Group(first=0, count=count, motion=Motion.MOVE),),
         curve=(repeated(3),) * 3,
