@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip.corrections import corrections_file, read_corrections
-from gclip.document import checksum, read_document, write_document
+from gclip.document import read_document, write_document
 from gclip.errors import ClipError, UserError
 from gclip.evaluate import Frame, frame_at
 from gclip.file import KEY, Container, open_container, read_interval
@@ -201,7 +201,7 @@ class Clip(ClipHeader):
         from safetensors.numpy import save_file
 
         buffers = {name: np.ascontiguousarray(array) for name, array in _buffers(self).items()}
-        text = write_document(_content(self), {name: checksum(b) for name, b in buffers.items()})
+        text = write_document(_content(self), buffers)
         try:
             read_document(text, len(text) + sum(buffer.nbytes for buffer in buffers.values()))
             with atomic_file(Path(path), force) as part:

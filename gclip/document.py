@@ -18,7 +18,7 @@ from gclip.text import printable
 
 MAJOR, MINOR = 1, 2  # of the format's version
 SPARE_MEMORY = 64 << 20  # bytes that the values may occupy beyond twice the size of the file
-DOCUMENT, BLANK = "document", "0" * 64
+DOCUMENT, BLANK = "document", "0" * 64  # the document's checksum is taken with this in its place
 
 
 class Versioned(Struct):
@@ -79,14 +79,15 @@ def _clean(value: Any) -> Any:
     return [_clean(item) for item in value] if isinstance(value, list) else value
 
 
-def write_document(content: Mapping[str, Any], checksums: Mapping[str, str]) -> str:
+def write_document(content: Mapping[str, Any], buffers: Mapping[str, Any]) -> str:
     """Write a document as JSON; equal content gives equal bytes.
 
-    checksums: of the buffers by name; the version and the document's own checksum are added.
+    buffers: arrays in C order by name; their checksums, the document's own and the version are
+    added.
     """
     fields = to_builtins(content, enc_hook=lambda number: number.item())  # NumPy scalars
     fields["version"] = f"{MAJOR}.{MINOR}"
-    fields["sha256"] = {**checksums, DOCUMENT: BLANK}
+    fields["sha256"] = {name: checksum(b) for name, b in buffers.items()} | {DOCUMENT: BLANK}
     fields["sha256"][DOCUMENT] = checksum(_dump(fields).encode())
     return _dump(fields)
 
@@ -101,9 +102,3 @@ def _dump(fields: dict[str, Any]) -> str:
 def checksum(content: Any) -> str:
     """SHA-256 of bytes, or of an array in C order, as hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()
-
-
-def has_own_checksum(text: str, written: Mapping[str, str]) -> bool:
-    """Whether the checksum in a document is right; it is that of the text with zeros instead."""
-    expected = written.get(DOCUMENT, BLANK)
-    return checksum(text.replace(expected, BLANK).encode()) == expected
