@@ -12,10 +12,9 @@ RUN apt-get update \
 COPY . /source
 RUN pip install --no-cache-dir "/source[e57,pandas,usd]" && rm -r /source
 
-# Solver and traits are compiled once, here; whoever runs the commands may keep what is compiled later.
+# The solver is compiled once, here; whoever runs the commands may keep what is compiled later.
 ENV NUMBA_CACHE_DIR=/var/cache/numba HOME=/tmp
-RUN python -m baker.transport.compile && python -m traits.compile \
-    && chmod -R a+rwX /var/cache/numba
+RUN python -m baker.transport.compile && chmod -R a+rwX /var/cache/numba
 
 WORKDIR /work
 CMD ["bake", "--help"]

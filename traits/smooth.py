@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from traits.neighborhoods import fit_paraboloids
+
 Points = NDArray[np.float64]
 
 PATCH_SIZES = (12, 20, 40, 100)  # neighbours of a paraboloid; the first is used to estimate noise
@@ -72,14 +74,12 @@ def fit_patches(points: Points, cloud: Points) -> Patches:
     """
     from scipy.spatial import cKDTree
 
-    from traits.neighborhoods import fit_paraboloids
-
     most = min(MAX_PATCH * len(cloud) / max(len(points), 1), len(cloud))
     sizes = [size for size in PATCH_SIZES if size <= most]
-    normals, fits = np.zeros((len(points), 3)), np.zeros((3, len(sizes), len(points)))
+    normals, fits = np.zeros_like(points), np.zeros((3, 0, len(points)))
     if sizes:
         distance, neighbors = cKDTree(cloud).query(points, k=sizes[-1])
-        fit_paraboloids(points, cloud, neighbors, distance, np.array(sizes), normals, fits)
+        normals, fits = fit_paraboloids(points, cloud, neighbors, distance, sizes)
     return Patches(points, len(cloud), normals, *fits)
 
 

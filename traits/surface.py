@@ -5,6 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from traits.neighborhoods import measure_cells
+
 Points = NDArray[np.float64]
 
 CELL_NEIGHBORS = 24  # neighbours that may bound the Voronoi cell of a point
@@ -90,15 +92,11 @@ def _cells(points: Points, variance: float) -> tuple[float, NDArray[np.float64]]
     """Approximate mean point distance, and (N, DIRECTIONS) extents of the Voronoi cells."""
     from scipy.spatial import cKDTree
 
-    from traits.neighborhoods import measure_cells
-
     distance, neighbors = cKDTree(points).query(points, k=min(CELL_NEIGHBORS, len(points) - 1) + 1)
-    distance = np.ascontiguousarray(distance[:, 1:])
-    neighbors = np.ascontiguousarray(neighbors[:, 1:])
+    distance, neighbors = distance[:, 1:], neighbors[:, 1:]
     angle = (np.arange(DIRECTIONS) + 0.5) * 2.0 * np.pi / DIRECTIONS
     directions = np.column_stack([np.cos(angle), np.sin(angle)])
     far = 1e3 * max(float(distance.max()), 1e-30)
-    cells = np.empty((len(points), DIRECTIONS))
-    measure_cells(points, neighbors, distance, variance, directions, far, cells)
+    cells = measure_cells(points, neighbors, distance, variance, directions, far)
     # The median distance to the sixth neighbour in a plane is 1.343 / √λ.
     return float(np.median(distance[:, min(5, distance.shape[1] - 1)])) / 1.343, cells

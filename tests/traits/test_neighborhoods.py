@@ -1,4 +1,4 @@
-"""The compiled loops do what plain NumPy does, point by point."""
+"""What is computed of all points at once is that of each point by itself."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from traits.neighborhoods import (
     measure_cells,
 )
 
-SIZES = np.array([12, 20, 40])
+SIZES = [12, 20, 40]
 
 
 def bent_sheet(count: int = 400) -> np.ndarray:
@@ -48,8 +48,7 @@ def test_paraboloids_are_weighted_least_squares():
     cloud = bent_sheet()
     points = cloud[::40]
     distance, neighbors = cKDTree(cloud).query(points, k=SIZES[-1])
-    normals, fits = np.zeros((len(points), 3)), np.zeros((3, len(SIZES), len(points)))
-    fit_paraboloids(points, cloud, neighbors, distance, SIZES, normals, fits)
+    normals, fits = fit_paraboloids(points, cloud, neighbors, distance, SIZES)
     for i, point in enumerate(points):
         near = cloud[neighbors[i]]
         normal = tangent_frame(near[:FRAME_NEIGHBORS])[:, 0]
@@ -68,8 +67,7 @@ def test_cells_end_half_way_to_the_neighbours():
     distance, neighbors = (found[:, 1:] for found in cKDTree(cloud).query(cloud, k=19))
     turns = np.arange(8) * np.pi / 4
     directions = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    cells = np.zeros((len(cloud), 8))
-    measure_cells(cloud, neighbors, distance, variance, directions, far, cells)
+    cells = measure_cells(cloud, neighbors, distance, variance, directions, far)
     for i in range(0, len(sheet), 40):
         near = cloud[neighbors[i]]
         axes = tangent_frame(near[:CELL_FRAME_NEIGHBORS])[:, 1:]

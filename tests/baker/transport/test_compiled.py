@@ -17,8 +17,7 @@ import baker
 ROOT = Path(baker.__file__).parent
 MODULES = [
     ".".join(path.relative_to(ROOT.parent).with_suffix("").parts)
-    for package in ("baker", "traits")
-    for path in sorted((ROOT.parent / package).rglob("*.py"))
+    for path in sorted(ROOT.rglob("*.py"))
     if "import compiled\n" in path.read_text()
 ]
 
@@ -67,10 +66,8 @@ from numba.core.dispatcher import Dispatcher
 from baker.transport.compile import compile_kernels
 from baker.transport.problem import TransportOptions
 from baker.transport.solve import solve
-from traits.compile import measure_smallest
 
 compile_kernels()
-measure_smallest()
 random = np.random.default_rng(0)
 for n, m, options in ((300, 200, {}), (4000, 30, {}), (2000, 2100, {}), (90, 80, {"power": 1})):
     for kind in (np.float32, np.float64):
