@@ -93,14 +93,14 @@ def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[Trai
             value = getattr(organ, trait)
             if value is None:
                 continue
-            sure = namer.is_sure(organ, trait, organ.time)
+            sure = namer.is_sure(organ, trait)
             if trait == "angle":
                 margin = SURE_ANGLE if sure else UNSURE_ANGLE
             else:
                 margin = value * (SURE if sure else UNSURE)
             curves.setdefault((organ.track, trait), []).append((organ.time, value, margin, sure))
         for name, mean in field_means(clip, organ.time, organ.track).items():
-            point = (organ.time, mean, 0.0, not namer.is_doubtful(organ, organ.time))
+            point = (organ.time, mean, 0.0, not namer.is_doubtful(organ))
             curves.setdefault((organ.track, FIELD.format(name)), []).append(point)
     return [
         TraitCurve(track, trait, unit_of.get(trait, ""), *map(tuple, zip(*points, strict=True)))

@@ -31,11 +31,6 @@ class Surface(NamedTuple):
     border: float
 
 
-def area(points: Points, variance: float = 0.0, mixed: float = 0.0) -> float:
-    """The area of `surface_of`."""
-    return surface_of(points, variance, mixed).area
-
-
 def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Surface:
     """Estimate the area of the surface that points were sampled from.
 

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
     from gclip import Clip
 
-TRAITS = {"height": 1, "length": 1, "area": 2, "hull": 3}  # power of the length unit
 NAMES = {"hull": "hull_volume"}
+YES, NO = "yes", "no"
 COLUMNS = (
     *("plant", "level", "track", "organ", "kind", "parent", "born", "lost"),
     *("trait", "value", "unit", "state", "time", "date", "start", "end", "elapsed", "time_unit"),
@@ -75,7 +75,7 @@ def data_frame(
     file = StringIO(newline="")
     write_table(file, Namer(clip, plant), measure_days(clip) if days is None else days)
     file.seek(0)
-    return pandas.read_csv(file, true_values=["yes"], false_values=["no"])
+    return pandas.read_csv(file, true_values=[YES], false_values=[NO])
 
 
 @dataclass(frozen=True)
@@ -92,13 +92,13 @@ class Namer:
     def _doubts(self) -> tuple[Doubt, ...]:
         return doubts_of(self.clip)
 
-    def is_sure(self, organ: Measurement, trait: str, time: float) -> bool:
+    def is_sure(self, organ: Measurement, trait: str) -> bool:
         """Whether a trait is measured well, and the organ is not in doubt."""
-        return trait in organ.sure and not self.is_doubtful(organ, time)
+        return trait in organ.sure and not self.is_doubtful(organ)
 
-    def is_doubtful(self, organ: Measurement, time: float) -> bool:
-        """Whether a doubt of the bake concerns the organ at a time."""
-        return any(d.track == organ.track and d.concerns(time) for d in self._doubts)
+    def is_doubtful(self, organ: Measurement) -> bool:
+        """Whether a doubt of the bake concerns the organ at the time of its measurement."""
+        return any(d.track == organ.track and d.concerns(organ.time) for d in self._doubts)
 
 
 def measure_days(clip: Clip) -> list[float]:
@@ -136,33 +136,34 @@ def write_table(
         for done, (day, measurements) in enumerate(measured):
             progress(done, len(days))
             found[day] = measurements
-            writer.writerows(_safe(row) for row in _values(namer, measurements, about))
+            writer.writerows(map(_safe, row) for row in _values(namer, measurements, about))
     scans = [time for time in namer.clip.times if time in found]
     for before, after in pairwise(scans):
         rates = _rates(namer, found[before], found[after], about)
-        writer.writerows(_safe(row) for row in rates)
+        writer.writerows(map(_safe, row) for row in rates)
     progress(len(days), len(days))
 
 
-def _values(namer: Namer, found: Iterable[Measurement], source: tuple[str, str]) -> Iterator[list]:
+def _values(
+    namer: Namer, found: Iterable[Measurement], source: tuple[str, str]
+) -> Iterator[Sequence[object]]:
     """The rows of measurements at one time."""
     clip = namer.clip
     for organ in found:
         state = "scan" if organ.time in clip.times else "between"
-        when = [state, _number(organ.time), namer.date_at(organ.time), "", "", "", clip.time_unit]
-        values = []
-        for trait, power in TRAITS.items():
-            if (value := getattr(organ, trait)) is not None:
-                columns = [NAMES.get(trait, trait), _number(value), _unit(clip, power)]
-                values.append((columns, _quality(namer, organ, trait, organ.time)))
-        for name, value in field_means(clip, organ.time, organ.track).items():
-            sure = "no" if namer.is_doubtful(organ, organ.time) else "yes"
-            values.append(([f"mean_{name}", _number(value), ""], [organ.points, sure]))
-        if organ.angle is not None:
-            columns = ["angle", _number(organ.angle), "degrees"]
-            values.append((columns, _quality(namer, organ, "angle", organ.time)))
-        for columns, quality in values:
-            yield [*_identity(namer, organ), *columns, *when, *quality, *source]
+        when = (state, _number(organ.time), namer.date_at(organ.time), "", "", "", clip.time_unit)
+        values = [
+            (NAMES.get(trait, trait), getattr(organ, trait), unit, namer.is_sure(organ, trait))
+            for trait, unit in _units(clip).items()
+        ]
+        fields = field_means(clip, organ.time, organ.track).items()
+        values += [
+            (f"mean_{name}", mean, "", not namer.is_doubtful(organ)) for name, mean in fields
+        ]
+        for trait, value, unit, sure in values:
+            if value is not None:
+                what = (*_identity(namer, organ), trait, _number(value), unit)
+                yield (*what, *when, organ.points, YES if sure else NO, *source)
 
 
 def _rates(
@@ -170,7 +171,7 @@ def _rates(
     before: Iterable[Measurement],
     after: Iterable[Measurement],
     source: tuple[str, str],
-) -> Iterator[list]:
+) -> Iterator[Sequence[object]]:
     """The rows of growth rates between two scans."""
     clip, by_track = namer.clip, {organ.track: organ for organ in before}
     for late in after:
@@ -178,43 +179,35 @@ def _rates(
         if early is None:
             continue
         span = late.time - early.time
-        times = [_number(early.time), _number(late.time), _number(span)]
-        when = ["rate", "", "", *times, clip.time_unit]
-        for trait, power in TRAITS.items():
+        times = (_number(early.time), _number(late.time), _number(span))
+        when = ("rate", "", "", *times, clip.time_unit)
+        for trait, unit in _units(clip).items():
             first, last = getattr(early, trait), getattr(late, trait)
-            if first is not None and last is not None:
-                unit = f"{_unit(clip, power)}/{clip.time_unit.removesuffix('s')}"
-                name, rate = f"{NAMES.get(trait, trait)}_growth", _number((last - first) / span)
-                quality = _quality(namer, late if trait in early.sure else early, trait, late.time)
-                yield [*_identity(namer, late), name, rate, unit, *when, *quality, *source]
+            if first is not None and last is not None and trait != "angle":
+                unit, rate = f"{unit}/{clip.time_unit.removesuffix('s')}", (last - first) / span
+                what = (*_identity(namer, late), f"{NAMES.get(trait, trait)}_growth", _number(rate))
+                worse = late if trait in early.sure else early
+                sure = YES if namer.is_sure(worse, trait) else NO
+                yield (*what, unit, *when, worse.points, sure, *source)
 
 
-def _identity(namer: Namer, organ: Measurement) -> list:
+def _identity(namer: Namer, organ: Measurement) -> tuple[object, ...]:
     """The columns from `plant` to `lost`."""
     if organ.track is None:
-        return [namer.plant, "plant", "", "", "", "", "", ""]
-    track = namer.clip.track_table[organ.track]
-    parent = None if track.parent is None else namer.clip.track_table[track.parent]
-    return [
-        namer.plant,
-        "organ",
-        track.id,
-        track.name,
-        track.kind,
-        "" if parent is None else parent.name,
-        namer.date_at(track.born),
-        "" if track.lost is None else namer.date_at(track.lost),
-    ]
+        return (namer.plant, "plant", "", "", "", "", "", "")
+    tracks = namer.clip.track_table
+    track = tracks[organ.track]
+    parent = "" if track.parent is None else tracks[track.parent].name
+    lost = "" if track.lost is None else namer.date_at(track.lost)
+    born = namer.date_at(track.born)
+    return (namer.plant, "organ", track.id, track.name, track.kind, parent, born, lost)
 
 
-def _quality(namer: Namer, organ: Measurement, trait: str, time: float) -> list:
-    """The columns `points` and `sure`."""
-    return [organ.points, "yes" if namer.is_sure(organ, trait, time) else "no"]
-
-
-def _unit(clip: Clip, power: int) -> str:
+def _units(clip: Clip) -> dict[str, str]:
+    """The unit of each trait."""
     unit = clip.unit or "unit"
-    return unit if power == 1 else f"{unit}^{power}"
+    lengths = {"height": unit, "length": unit, "area": f"{unit}^2", "hull": f"{unit}^3"}
+    return {**lengths, "angle": "degrees"}
 
 
 def _number(value: float) -> str:
@@ -227,23 +220,15 @@ def provenance(clip: Clip) -> tuple[str, str]:
     return f"plant-growth-clips {__version__}", f"sha256:{hashlib.sha256(document).hexdigest()}"
 
 
-def _safe(row: list) -> list:
-    """Escape cells that a spreadsheet would interpret as a formula (OWASP, CSV injection)."""
-    return [_escape(cell) if isinstance(cell, str) else cell for cell in row]
-
-
-def _escape(cell: str) -> str:
+def _safe(cell: object) -> object:
+    """Escape a text that a spreadsheet would interpret as a formula (OWASP, CSV injection)."""
+    if not isinstance(cell, str):
+        return cell
     cell = printable(cell)
-    return f"'{cell}" if _is_formula(cell) else cell
-
-
-def _is_formula(cell: str) -> bool:
-    """Whether a cell starts like a formula, and is not a number."""
     # Spreadsheets ignore blanks and normalise full-width characters, like NFKC.
-    if not normalize("NFKC", cell).lstrip().startswith(("=", "+", "-", "@")):
-        return False
-    try:
-        float(cell)
-    except ValueError:
-        return True
-    return False
+    if normalize("NFKC", cell).lstrip().startswith(("=", "+", "-", "@")):
+        try:
+            float(cell)
+        except ValueError:
+            return f"'{cell}"
+    return cell

@@ -90,75 +90,59 @@ def measure(clip: Clip, day: float, only: Collection[int] | None = None) -> list
     list of Measurement
         The whole plant, then its organs by track id.
     """
-    plant = _Plant.of(clip)
-    samples = samples_at(clip, day)
-    measured = [plant.measure(day, sample.organs, only) for sample in samples]
+    samples, floor = samples_at(clip, day), _floor(clip)
+    measured = [_measure_sample(clip, day, sample.organs, only, floor) for sample in samples]
     return _weighted_mean(measured, [sample.weight for sample in samples])
 
 
-@dataclass(frozen=True)
-class _Plant:
-    """The properties of a clip that do not change in time."""
-
-    born: dict[int, float]
-    parents: dict[int, int | None]
-    scans: tuple[float, ...]
-    up: NDArray[np.float64]
-    floor: float
-
-    @classmethod
-    def of(cls, clip: Clip) -> _Plant:
-        return cls(
-            {track.id: track.born for track in clip.track_table},
-            {track.id: track.parent for track in clip.track_table},
-            tuple(clip.times),
-            up_vector(clip.up),
-            _floor(clip),
-        )
-
-    def measure(
-        self, day: float, sampled: dict[int, Organ], only: Collection[int] | None
-    ) -> list[Measurement]:
-        """Measure the plant and its organs, or only some organs, on one sample."""
-        wanted = self.born.keys() if only is None else only
-        needed = {*wanted, *(self.parents.get(track) for track in wanted)}
-        organs = {
-            track: organ
-            for track, organ in sorted(sampled.items())
-            if track in needed and (day not in self.scans or self.born[track] <= day)
-        }
-        patches = {track: fit_patches(o.points, o.cloud) for track, o in organs.items()}
-        noise = noise_of(patches, known={track: organ.known for track, organ in organs.items()})
-        smooth = {track: smoothed(fits, noise.of(track)) for track, fits in patches.items()}
-        measured, no_points = [], np.zeros((0, 3))
-        for track in (track for track in organs if track in wanted):
-            organ, deviation, (points, left) = organs[track], noise.of(track), smooth[track]
-            parent = self.parents.get(track)
-            parent_points = no_points if parent not in smooth else smooth[parent].points
-            axis = axis_of(points, parent_points, self.up)
-            surface = surface_of(points, left * deviation**2, organ.mixed)
-            hull = _hull(points, organ.mixed, deviation)
-            length = None if axis is None else axis.length
-            sure = _sure_traits(surface, len(points), length or 0.0, deviation, left)
-            sure = sure if hull.sure else sure - {"hull"}
-            measured.append(
-                Measurement(
-                    time=day,
-                    track=track,
-                    points=len(points),
-                    height=float((points @ self.up).max()) - self.floor,
-                    length=length,
-                    area=surface.area or None,
-                    hull=hull.volume,
-                    angle=None if axis is None else axis.angle(self.up),
-                    sure=sure if organ.seen else frozenset(),
-                )
+def _measure_sample(
+    clip: Clip,
+    day: float,
+    sampled: dict[int, Organ],
+    only: Collection[int] | None,
+    floor: float,
+) -> list[Measurement]:
+    """Measure the plant and its organs, or only some organs, on one sample."""
+    up, tracks = up_vector(clip.up), clip.track_table
+    wanted = range(len(tracks)) if only is None else only
+    needed = {*wanted, *(tracks[track].parent for track in wanted)}
+    organs = {
+        track: organ
+        for track, organ in sorted(sampled.items())
+        if track in needed and (day not in clip.times or tracks[track].born <= day)
+    }
+    patches = {track: fit_patches(o.points, o.cloud) for track, o in organs.items()}
+    noise = noise_of(patches, known={track: organ.known for track, organ in organs.items()})
+    smooth = {track: smoothed(fits, noise.of(track)) for track, fits in patches.items()}
+    measured, no_points = [], np.zeros((0, 3))
+    for track in (track for track in organs if track in wanted):
+        organ, deviation, (points, left) = organs[track], noise.of(track), smooth[track]
+        parent = tracks[track].parent
+        parent_points = no_points if parent not in smooth else smooth[parent].points
+        axis = axis_of(points, parent_points, up)
+        surface = surface_of(points, left * deviation**2, organ.mixed)
+        hull = _hull(points, organ.mixed, deviation)
+        length = None if axis is None else axis.length
+        sure = _sure_traits(surface, len(points), length or 0.0, deviation, left)
+        sure = sure if hull.sure else sure - {"hull"}
+        measured.append(
+            Measurement(
+                time=day,
+                track=track,
+                points=len(points),
+                height=float((points @ up).max()) - floor,
+                length=length,
+                area=surface.area or None,
+                hull=hull.volume,
+                angle=None if axis is None else axis.angle(up),
+                sure=sure if organ.seen else frozenset(),
             )
-        if only is not None or not measured:
-            return measured
-        points = np.concatenate([organ.points for organ in smooth.values()])
-        mixed = max(organ.mixed for organ in organs.values())
-        return [_measure_whole(day, measured, points, mixed, noise.usual), *measured]
+        )
+    if only is not None or not measured:
+        return measured
+    points = np.concatenate([organ.points for organ in smooth.values()])
+    mixed = max(organ.mixed for organ in organs.values())
+    return [_measure_whole(day, measured, points, mixed, noise.usual), *measured]
 
 
 def _measure_whole(

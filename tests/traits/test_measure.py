@@ -19,7 +19,7 @@ from grow.series import Plan, write_series
 from traits import measure, measure_days, write_table
 from traits.axis import axis_of
 from traits.smooth import fit_patches, noise_of, smoothed
-from traits.surface import area
+from traits.surface import surface_of
 from traits.table import COLUMNS, Namer
 from traits.traits import _hull
 
@@ -46,8 +46,8 @@ def test_area_of_a_rectangle_a_strip_and_a_tube(count: int) -> None:
     for points in shapes:
         # A few hundred random points tell an area to some per cent, no better; a strip two of
         # their distances wide is hardly seen as one.
-        assert area(points) == pytest.approx(2400, rel=max(0.04, 2.2 / np.sqrt(count)))
-        assert area(7 * points) == pytest.approx(49 * area(points))
+        assert surface_of(points).area == pytest.approx(2400, rel=max(0.04, 2.2 / np.sqrt(count)))
+        assert surface_of(7 * points).area == pytest.approx(49 * surface_of(points).area)
 
 
 @pytest.mark.parametrize("count", [300, 600, 2500])
@@ -60,7 +60,7 @@ def test_area_of_evenly_spread_points(count: int) -> None:
         [10 * np.cos(2 * np.pi * u), 10 * np.sin(2 * np.pi * u), 2400 / (20 * np.pi) * v]
     )
     for points in (leaf, stem):
-        assert area(points) == pytest.approx(2400, rel=0.03)
+        assert surface_of(points).area == pytest.approx(2400, rel=0.03)
 
 
 def test_smoothing_takes_noise_away_and_leaves_a_stem_its_radius() -> None:
@@ -229,4 +229,4 @@ def test_a_point_or_two_are_no_organ(grown: Clip) -> None:
     assert measure(replace(grown, intervals=(few, *grown.intervals[1:])), 0.0)
     assert axis_of(np.zeros((3, 3)), np.zeros((0, 3)), UP) is None
     assert axis_of(np.zeros((20, 3)), np.zeros((0, 3)), UP) is None
-    assert area(np.zeros((20, 3))) == 0.0
+    assert surface_of(np.zeros((20, 3))).area == 0.0

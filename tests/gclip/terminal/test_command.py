@@ -68,7 +68,12 @@ def test_outcomes(
     ("module", "variable", "value", "said"),
     [
         ("numba", "NUMBA_NUM_THREADS", "many", "warning: .*'NUMBA_NUM_THREADS'.*'many'.*parsed"),
-        ("baker.transport.bisection", "NUMBA_DISABLE_JIT", "1", "NUMBA_DISABLE_JIT is set .* unset it"),
+        (
+            "baker.transport.bisection",
+            "NUMBA_DISABLE_JIT",
+            "1",
+            "NUMBA_DISABLE_JIT is set .* unset it",
+        ),
     ],
 )
 def test_a_wrong_variable_of_the_environment_is_one_sentence(
