@@ -1,7 +1,7 @@
-from .clip import Clip, HeldOutScan, PointField, Track, open
+from .clip import Clip, HeldOutScan, PointField, open
 from .errors import ClipError, UserError
 from .evaluate import Frame, Layer
-from .schema import Box, Group, Interval, Motion, ScanMark, SegmentPair
+from .schema import Box, Group, Interval, Motion, ScanMark, SegmentPair, Track
 
 __version__: str
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -24,7 +24,7 @@ from gclip.errors import ClipError, UserError
 from gclip.evaluate import Frame, frame_at
 from gclip.file import KEY, Container, open_container, read_interval
 from gclip.places import rename_organs
-from gclip.schema import ClipHeader, Document, Interval, ScanMark, TrackEntry, attributes
+from gclip.schema import ClipHeader, Document, Interval, ScanMark, Track
 from gclip.terminal.atomic import atomic_file
 
 if TYPE_CHECKING:
@@ -34,20 +34,10 @@ if TYPE_CHECKING:
 ROUNDING = 1e-9  # share of the series' length by which a time may be outside
 FIELD = "%04d/field%d"  # name of a buffer, by interval and field
 HELD_OUT = "held_out/%04d"  # name of a buffer, by the scan that was left out
-WRITTEN = ["start", "end", "degree", "groups", "box", "segments"]  # of an interval, besides buffers
-
-
-@dataclass(frozen=True)
-class Track:
-    """One organ from birth to loss."""
-
-    id: int  #: index in the clip's table of tracks
-    name: str
-    color: tuple[int, int, int]  #: sRGB, 0 to 255
-    parent: int | None = None  #: id of the track it grows from, None for the root
-    born: float = 0.0  #: time of the first scan with the organ
-    lost: float | None = None  #: time of the first later scan without it
-    kind: str = "organ"  #: "root", "organ", or more specific ("stem", "leaf")
+# Fields of a clip, a track and an interval as a document has them.
+HEADER = [field.name for field in fields(ClipHeader)]
+TRACK = ["name", "color", "parent", "born", "lost", "kind"]
+INTERVAL = ["start", "end", "degree", "groups", "box", "segments"]
 
 
 @dataclass(frozen=True)
@@ -252,7 +242,7 @@ def clip_in(container: Container, document: Document) -> Clip:
     entries = enumerate(document.intervals)
     intervals = tuple(read_interval(container, i, entry, count) for i, entry in entries)
     counts = [(k, len(interval)) for k, interval in enumerate(intervals)]
-    fields = tuple(
+    point_fields = tuple(
         PointField(
             name, tuple(container.take(FIELD % (k, i), (n, 2), np.float32) for k, n in counts)
         )
@@ -264,10 +254,10 @@ def clip_in(container: Container, document: Document) -> Clip:
     )
     clip = Clip(
         intervals=intervals,
-        track_table=tuple(Track(i, **vars(track)) for i, track in enumerate(document.tracks)),
-        fields=fields,
+        track_table=document.tracks,
+        fields=point_fields,
         held_out=held_out,
-        **attributes(document, ClipHeader),
+        **_fields(document, HEADER),
     )
     if unknown := container.buffers.keys() - _buffers(clip):
         raise ClipError(f'it holds a buffer "{min(unknown)[:40]}" that nothing names')
@@ -287,9 +277,13 @@ def _content(clip: Clip) -> dict[str, Any]:
     """The fields of the document that describes a clip."""
     held_out = [ScanMark(s.name, s.time, s.date, len(s.positions)) for s in clip.held_out]
     return {
-        **attributes(clip, ClipHeader),
-        "tracks": [attributes(track, TrackEntry) for track in clip.track_table],
-        "intervals": [{name: getattr(i, name) for name in WRITTEN} for i in clip.intervals],
+        **_fields(clip, HEADER),
+        "tracks": [_fields(track, TRACK) for track in clip.track_table],
+        "intervals": [_fields(interval, INTERVAL) for interval in clip.intervals],
         **({"held_out": held_out} if held_out else {}),
         **({"fields": [field.name for field in clip.fields]} if clip.fields else {}),
     }
+
+
+def _fields(holder: object, names: list[str]) -> dict[str, Any]:
+    return {name: getattr(holder, name) for name in names}

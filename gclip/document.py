@@ -8,6 +8,7 @@ import json
 import math
 import sys
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Annotated, Any
 
 from msgspec import Meta, Struct, ValidationError, convert, to_builtins
@@ -43,6 +44,9 @@ def read_document(text: str, file_size: int) -> Document:
                 f"it was written in clip format {major[:20]}; this program reads up to "
                 f"{MAJOR}.{MINOR}, so a newer version of it is needed"
             )
+        with suppress(TypeError):  # `convert` says what is wrong with the tracks
+            for index, track in enumerate(content.get("tracks", ())):
+                track["id"] = index
         return convert(content, Document)
     except ValidationError as error:  # in the form "reason - at `$.field`"
         reason, _, field = str(error).partition(" - at `$")

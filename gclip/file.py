@@ -22,6 +22,7 @@ from gclip.text import printable
 KEY = "gclip"
 DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}
 MAX_HEADER = 8 << 20  # bytes, plus a quarter of the file
+COLORS = {"start_colors", "end_colors"}  # fields of an interval, both or none
 identity = attrgetter("st_dev", "st_ino", "st_size", "st_mtime_ns")  # changes if the file does
 
 
@@ -160,7 +161,9 @@ def read_interval(container: Container, index: int, entry: Interval, tracks: int
         found = f'its buffer "{folder}track" names track {largest}'
         raise ClipError(f"{found}; only {tracks} tracks are named")
     present = {field for field, name in OPTIONAL.items() if folder + name in container.buffers}
-    if present & {"start_colors", "end_colors"}:  # both are required if one is present
-        present |= {"start_colors", "end_colors"}
-    optional = {f: container.take(folder + OPTIONAL[f], (count, 4), np.uint8) for f in present}
+    if present & COLORS:
+        present |= COLORS  # so that the other one is missing
+    optional: dict[str, Any] = {
+        field: container.take(folder + OPTIONAL[field], (count, 4), np.uint8) for field in present
+    }
     return replace(entry, curve=tuple(curve), tracks=ids, **optional)

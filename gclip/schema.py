@@ -4,7 +4,7 @@ Rules that types can't express, such as fields that contradict each other, are c
 `__post_init__`; msgspec adds the location to the ValueError.
 """
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from enum import StrEnum
 from itertools import pairwise
 from typing import Annotated, Any
@@ -102,15 +102,16 @@ class Box:
 
 
 @dataclass(frozen=True)
-class TrackEntry:
-    """One organ from birth to loss; its id is its index in the list."""
+class Track:
+    """One organ from birth to loss."""
 
+    id: Count  #: index in the clip's table of tracks
     name: Text
-    color: tuple[Channel, Channel, Channel]
-    parent: Count | None = None
-    born: Number = 0.0
-    lost: Number | None = None
-    kind: Text = "organ"
+    color: tuple[Channel, Channel, Channel]  #: sRGB, 0 to 255
+    parent: Count | None = None  #: id of the track it grows from, None for the root
+    born: Number = 0.0  #: time of the first scan with the organ
+    lost: Number | None = None  #: time of the first later scan without it
+    kind: Text = "organ"  #: "root", "organ", or more specific ("stem", "leaf")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,23 +182,20 @@ class Document(ClipHeader):
     """The whole document: a clip without its buffers."""
 
     version: Text
-    tracks: Annotated[tuple[TrackEntry, ...], Meta(min_length=1)]
+    tracks: Annotated[tuple[Track, ...], Meta(min_length=1)]
     intervals: Annotated[tuple[Interval, ...], Meta(min_length=1)]
     fields: tuple[Text, ...] = ()
     held_out: tuple[ScanMark, ...] = ()
     sha256: dict[str, Digest] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        starts = [interval.start for interval in self.intervals]
-        ends = [interval.end for interval in self.intervals]
-        times = [scan.time for scan in self.scans]
-        held_out = [scan.time for scan in self.held_out]
+        times, held_out = [[s.time for s in scans] for scans in (self.scans, self.held_out)]
+        bounds = [self.intervals[0].start, *(interval.end for interval in self.intervals)]
         _require(all(a < b for a, b in pairwise(times)), "the scans' times do not ascend")
-        _require(
-            (starts[0], ends[-1]) == (times[0], times[-1]), "the intervals do not span the series"
-        )
-        _require(starts[1:] == ends[:-1], "the intervals do not follow one another without a gap")
-        _require({*times} <= {*starts, *ends}, "a scan's time lies inside an interval")
+        has_gaps = [interval.start for interval in self.intervals] != bounds[:-1]
+        _require(not has_gaps, "the intervals do not follow one another without a gap")
+        is_spanned = {*times} <= {*bounds} and (times[0], times[-1]) == (bounds[0], bounds[-1])
+        _require(is_spanned, "the intervals do not span the series from scan to scan")
         _require(all(a < b for a, b in pairwise(held_out)), "the times in held_out do not ascend")
         is_inside = all(times[0] <= time <= times[-1] for time in held_out)
         _require(is_inside, "a time in held_out lies outside the series")
@@ -209,11 +207,6 @@ class Document(ClipHeader):
         _require(used < count, f"a segment's track is {used}; only {count} tracks are named")
         is_shallow = _depth(self.provenance) <= MAX_DEPTH
         _require(is_shallow, f"provenance is nested more than {MAX_DEPTH} levels deep")
-
-
-def attributes(holder: object, kind: type) -> dict[str, Any]:
-    """The attributes of an object that are fields of a dataclass."""
-    return {field.name: getattr(holder, field.name) for field in fields(kind)}
 
 
 def _require(condition: bool, message: str) -> None:

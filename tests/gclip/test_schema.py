@@ -63,7 +63,7 @@ def test_intervals_that_are_none_are_named(change: dict, words: str) -> None:
         (("intervals", 0), "start", 0.5, "do not span"),
         (("intervals", 2), "end", 7.0, "do not span"),
         (("intervals", 1), "start", 2.5, "without a gap"),
-        (("scans", 1), "time", 2.5, "inside an interval"),
+        (("scans", 1), "time", 2.5, "do not span the series from scan to scan"),
         (("scans", 1), "time", 0.0, "scans' times do not ascend"),
         (("scans", 1), "time", 5.0, "scans' times do not ascend"),
         (("scans", 1), "name", "a" * 1001, "expected `str` of length <= 1000"),
