@@ -5,7 +5,7 @@ import re
 import tomllib
 from contextlib import suppress
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from msgspec import ValidationError, convert
 
@@ -45,10 +45,12 @@ def read_config(path: Path, kind: type[T], most: int) -> T:
     UserError
         Names the file, the field, its value and what is needed.
     """
-    content: Any = None
+    text = read_text(path, most)
     try:
-        text = read_text(path, most)
         content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+    except (ValueError, RecursionError) as error:
+        raise UserError(f"'{path}' is no sound {path.suffix[1:].upper()} file: {error}.") from None
+    try:
         return convert(content, kind)
     except ValidationError as error:  # "what is wrong - at `$.table[0].field`"
         reason, _, place = str(error).rpartition(" - at `$")
@@ -59,6 +61,3 @@ def read_config(path: Path, kind: type[T], most: int) -> T:
         numbered = re.sub(r"\[(\d+)\]", lambda index: f" {int(index[1]) + 1}", field)
         found = f"{numbered} is {printable(repr(content), 80)}; " if field else ""
         raise UserError(f"'{path}': {found}{printable(reason, 120)}.") from None
-    except (ValueError, RecursionError) as error:
-        reason = f"no sound {path.suffix[1:].upper()} file: {printable(str(error), 200)}"
-        raise UserError(f"'{path}' is {reason}.") from None
