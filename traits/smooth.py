@@ -5,12 +5,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from traits.neighborhoods import fit_paraboloids
-
 Points = NDArray[np.float64]
 
 PATCH_SIZES = (12, 20, 40, 100)  # neighbours of a paraboloid; the first is used to estimate noise
 MAX_PATCH = 40  # neighbours, times the ratio of the cloud's points to the points to be smoothed
+FRAME_NEIGHBORS = 20  # to which the tangent plane of a paraboloid is fitted
+# Regularisation of a paraboloid's terms 1, x, y, x², xy and y², for points on a line.
+RIDGE = np.array([1e-9, 1e-9, 1e-9, 1e-3, 1e-3, 1e-3])
 BIAS_WEIGHT = 0.4  # bias of a paraboloid at its centre : mean bias over the patch
 MIN_POINTS_FOR_NOISE = 36
 MAX_NOISE_RATIO = 1.25  # noise of an organ : noise of the plant
@@ -76,11 +77,34 @@ def fit_patches(points: Points, cloud: Points) -> Patches:
 
     most = min(MAX_PATCH * len(cloud) / max(len(points), 1), len(cloud))
     sizes = [size for size in PATCH_SIZES if size <= most]
-    normals, fits = np.zeros_like(points), np.zeros((3, 0, len(points)))
-    if sizes:
-        distance, neighbors = cKDTree(cloud).query(points, k=sizes[-1])
-        normals, fits = fit_paraboloids(points, cloud, neighbors, distance, sizes)
-    return Patches(points, len(cloud), normals, *fits)
+    fits = np.zeros((3, len(sizes), len(points)))
+    if not sizes:
+        return Patches(points, len(cloud), np.zeros_like(points), *fits)
+    distance, neighbors = cKDTree(cloud).query(points, k=sizes[-1])
+    offsets = cloud[neighbors] - points[:, None]
+    axes = tangent_frames(offsets[:, :FRAME_NEIGHBORS])
+    local = axes.swapaxes(1, 2) @ offsets.swapaxes(1, 2)
+    for fit, size in zip(fits.swapaxes(0, 1), sizes, strict=True):
+        radius = np.maximum(distance[:, size - 1], 1e-300 + 1e-6 * distance[:, -1])
+        weight = np.exp(-((distance[:, :size] / radius[:, None]) ** 2))
+        z, x, y = local.swapaxes(0, 1)[..., :size] / radius[:, None]
+        terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+        weighted = terms * weight[:, None]
+        inverse = np.linalg.inv(weighted @ terms.swapaxes(1, 2) + np.diag(RIDGE))
+        coefficients = inverse @ (weighted @ z[..., None])
+        misfit = (weight * (z - (coefficients.swapaxes(1, 2) @ terms)[:, 0]) ** 2).sum(axis=1)
+        twice = weighted @ weighted.swapaxes(1, 2)
+        free = weight.sum(axis=1) - (inverse * twice).sum(axis=(1, 2))
+        fit[0] = coefficients[:, 0, 0] * radius
+        fit[1] = misfit / np.maximum(free, 1e-9) * radius**2
+        fit[2] = np.minimum((inverse[:, :1] @ twice @ inverse[:, :, :1])[:, 0, 0], 1.0)
+    return Patches(points, len(cloud), axes[..., 0], *fits)
+
+
+def tangent_frames(neighbors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N, 3, 3) principal axes of (N, k, 3) neighbours, as columns, the normal first."""
+    centered = neighbors - neighbors.mean(axis=1, keepdims=True)
+    return np.linalg.eigh(centered.swapaxes(1, 2) @ centered)[1]
 
 
 def noise_of(organs: dict[int, Patches], known: dict[int, float] | None = None) -> Noise:

@@ -5,11 +5,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from traits.neighborhoods import measure_cells
+from traits.smooth import tangent_frames
 
 Points = NDArray[np.float64]
 
 CELL_NEIGHBORS = 24  # neighbours that may bound the Voronoi cell of a point
+FRAME_NEIGHBORS = 12  # to which its tangent plane is fitted
 DIRECTIONS = 32  # number of directions in which the extent of a cell is measured
 # Radii of discs, in mean point distances, and the width of the strip by which the union of discs
 # exceeds a border: for uniformly random points (by integration), and for evenly spread ones
@@ -84,14 +85,25 @@ def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Sur
 
 
 def _cells(points: Points, variance: float) -> tuple[float, NDArray[np.float64]]:
-    """Approximate mean point distance, and (N, DIRECTIONS) extents of the Voronoi cells."""
+    """Approximate mean point distance, and (N, DIRECTIONS) extents of the Voronoi cells.
+
+    Neighbours are placed in the tangent plane at their direction and their distance in space, since
+    a projection would reduce the width of thin stems. Neighbours in a direction near the normal
+    belong to another surface and are ignored.
+    """
     from scipy.spatial import cKDTree
 
     distance, neighbors = cKDTree(points).query(points, k=min(CELL_NEIGHBORS, len(points) - 1) + 1)
     distance, neighbors = distance[:, 1:], neighbors[:, 1:]
+    offsets = points[neighbors] - points[:, None]
+    flat = (offsets @ tangent_frames(offsets[:, :FRAME_NEIGHBORS]))[..., 1:]
+    length = np.linalg.norm(flat, axis=2)
+    flat[length <= 0.5 * distance] = 0.0
     angle = (np.arange(DIRECTIONS) + 0.5) * 2.0 * np.pi / DIRECTIONS
-    directions = np.column_stack([np.cos(angle), np.sin(angle)])
-    far = 1e3 * max(float(distance.max()), 1e-30)
-    cells = measure_cells(points, neighbors, distance, variance, directions, far)
+    # A neighbour at q bounds the cell where |p|² = |p - q|²: in direction w at |q|² / 2 w·q.
+    size = length * np.sqrt(np.maximum(distance**2 - variance, length**2))
+    bounds = 2.0 * flat / np.maximum(size, 1e-300)[..., None] @ [np.cos(angle), np.sin(angle)]
+    far = 1e3 * max(float(distance.max()), 1e-30)  # where there is no neighbour
+    cells = 1.0 / np.maximum(bounds.max(axis=1), 1.0 / far)
     # The median distance to the sixth neighbour in a plane is 1.343 / √λ.
     return float(np.median(distance[:, min(5, distance.shape[1] - 1)])) / 1.343, cells

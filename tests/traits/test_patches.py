@@ -4,15 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
-from traits.neighborhoods import (
-    CELL_FRAME_NEIGHBORS,
-    FRAME_NEIGHBORS,
-    RIDGE,
-    fit_paraboloids,
-    measure_cells,
-)
-
-SIZES = [12, 20, 40]
+from traits import surface
+from traits.smooth import FRAME_NEIGHBORS, PATCH_SIZES, RIDGE, fit_patches
 
 
 def bent_sheet(count: int = 400) -> np.ndarray:
@@ -47,38 +40,40 @@ def paraboloid(point: np.ndarray, near: np.ndarray, size: int) -> tuple[float, f
 def test_paraboloids_are_weighted_least_squares():
     cloud = bent_sheet()
     points = cloud[::40]
-    distance, neighbors = cKDTree(cloud).query(points, k=SIZES[-1])
-    normals, fits = fit_paraboloids(points, cloud, neighbors, distance, SIZES)
+    neighbors = cKDTree(cloud).query(points, k=PATCH_SIZES[-1])[1]
+    patches = fit_patches(points, cloud)
     for i, point in enumerate(points):
         near = cloud[neighbors[i]]
         normal = tangent_frame(near[:FRAME_NEIGHBORS])[:, 0]
-        side = np.sign(normal @ normals[i])
-        assert normals[i] == pytest.approx(side * normal, abs=1e-6)
-        expected = np.array([paraboloid(point, near, size) for size in SIZES]).T
-        expected[0] *= side
-        assert fits[:, :, i] == pytest.approx(expected, rel=1e-6, abs=1e-9)
+        side = np.sign(normal @ patches.normals[i])
+        assert patches.normals[i] == pytest.approx(side * normal, abs=1e-6)
+        height, residual, left = np.array([paraboloid(point, near, n) for n in PATCH_SIZES]).T
+        assert patches.height[:, i] == pytest.approx(side * height, rel=1e-6, abs=1e-9)
+        assert patches.residual[:, i] == pytest.approx(residual, rel=1e-6, abs=1e-9)
+        assert patches.left[:, i] == pytest.approx(left, rel=1e-6, abs=1e-9)
 
 
 def test_cells_end_half_way_to_the_neighbours():
-    sheet, far, variance = bent_sheet(), 5.0, 1e-4
+    sheet, variance = bent_sheet(), 1e-4
     cloud = np.vstack(
         [sheet, sheet[::40] + np.array([0.01, 0.0, 0.1])]
     )  # some points of another sheet
-    distance, neighbors = (found[:, 1:] for found in cKDTree(cloud).query(cloud, k=19))
-    turns = np.arange(8) * np.pi / 4
+    distance, neighbors = (
+        found[:, 1:] for found in cKDTree(cloud).query(cloud, k=surface.CELL_NEIGHBORS + 1)
+    )
+    turns = (np.arange(surface.DIRECTIONS) + 0.5) * 2 * np.pi / surface.DIRECTIONS
     directions = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    cells = measure_cells(cloud, neighbors, distance, variance, directions, far)
+    _, cells = surface._cells(cloud, variance)
     for i in range(0, len(sheet), 40):
         near = cloud[neighbors[i]]
-        axes = tangent_frame(near[:CELL_FRAME_NEIGHBORS])[:, 1:]
+        axes = tangent_frame(near[: surface.FRAME_NEIGHBORS])[:, 1:]
         flat = (near - cloud[i]) @ axes
         length = np.linalg.norm(flat, axis=1)
         is_beside = length > 0.5 * distance[i]
         reach = np.sqrt(np.maximum(distance[i] ** 2 - variance, length**2))
         places = (flat * (reach / length)[:, None])[is_beside]
         bounds = 2.0 * places @ directions.T / (places**2).sum(axis=1, keepdims=True)
-        expected = 1.0 / np.maximum(bounds.max(axis=0), 1.0 / far)
-        # The axes of the plane may point the other way, or change places.
-        turned = [np.roll(expected, k) for k in (0, 2, 4, 6)]
-        turned += [np.roll(expected[::-1], k) for k in (1, 3, 5, 7)]
+        expected = 1.0 / np.maximum(bounds.max(axis=0), 1e-3 / distance.max())
+        # The axes of the plane may point the other way.
+        turned = [np.roll(each, k) for each in (expected, expected[::-1]) for k in (0, 8, 16, 24)]
         assert min(np.abs(cells[i] - each).max() for each in turned) < 1e-6
