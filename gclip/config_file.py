@@ -5,7 +5,7 @@ import re
 import tomllib
 from contextlib import suppress
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from msgspec import ValidationError, convert
 
@@ -47,7 +47,7 @@ def read_config(path: Path, kind: type[T], most: int) -> T:
     """
     text = read_text(path, most)
     try:
-        content = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
+        content: Any = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
     except (ValueError, RecursionError) as error:
         raise UserError(f"'{path}' is no sound {path.suffix[1:].upper()} file: {error}.") from None
     try:

@@ -147,13 +147,12 @@ def _start_direction(line: Points, points: Points, share: NDArray[np.float64]) -
 
     Unlike the principal axis, it is right for stems whose width is as large as a quarter's length.
     """
+    direction = chord = line[min(2, len(line) - 1)] - line[0]
     quarter = share <= 0.25
-    centered = points[quarter] - points[quarter].mean(axis=0) if quarter.any() else points[:0]
-    slope = np.zeros(3)
-    if len(centered) > 2:
+    if quarter.sum() > 2:
+        centered = points[quarter] - points[quarter].mean(axis=0)
         slope = (share[quarter] - share[quarter].mean()) @ centered
-    chord = line[min(2, len(line) - 1)] - line[0]
-    direction = slope if slope.any() else chord
+        direction = slope if slope.any() else chord
     direction = direction / max(float(np.linalg.norm(direction)), 1e-300)
     return direction if direction @ chord >= 0.0 else -direction
 
@@ -194,19 +193,17 @@ def _graph(points: Points) -> tuple[csr_matrix, float]:
     distance, neighbors = cKDTree(points).query(points, k=k + 1)
     spacing = float(np.median(distance[:, 1]))
     smallest = 1e-9 * max(float(distance.max()), 1e-300)  # scipy drops edges of length 0
-    rows = [np.repeat(np.arange(count), k)]
-    columns, lengths = [neighbors[:, 1:].ravel()], [distance[:, 1:].ravel()]
+    edges = np.column_stack([np.repeat(np.arange(count), k), neighbors[:, 1:].ravel()])
+    lengths = distance[:, 1:].ravel()
     while True:
-        edges = (np.concatenate(rows), np.concatenate(columns))
-        weights = np.maximum(np.concatenate(lengths), smallest)
-        graph = coo_matrix((weights, edges), shape=(count, count)).tocsr()
+        weights = np.maximum(lengths, smallest)
+        graph = coo_matrix((weights, edges.T), shape=(count, count)).tocsr()
         parts, part = connected_components(graph, directed=False)
         if parts == 1:
             return graph, max(spacing, smallest)
-        largest = part == np.bincount(part).argmax()
-        inside, outside = np.flatnonzero(largest), np.flatnonzero(~largest)
+        is_largest = part == np.bincount(part).argmax()
+        inside, outside = np.flatnonzero(is_largest), np.flatnonzero(~is_largest)
         gap, nearest = cKDTree(points[inside]).query(points[outside])
         best = int(gap.argmin())
-        rows.append(outside[[best]])
-        columns.append(inside[[nearest[best]]])
-        lengths.append(gap[[best]])
+        edges = np.vstack([edges, [outside[best], inside[nearest[best]]]])
+        lengths = np.append(lengths, gap[best])
