@@ -18,12 +18,11 @@ from traits.traits import measure
 if TYPE_CHECKING:
     from gclip import Clip
 
-PLOTTED = {"length": 1, "area": 2, "angle": 0}  # power of the length unit
+PLOTTED = {"length": " {}", "area": " {}²", "angle": "°"}  # trait -> its unit, from that of lengths
 FIELD = "mean {}"  # name of the curve of a field
-# Errors of nine in ten values that are sure, and of others: relative, or in degrees
+# Errors of nine in ten values that are sure, and of others: relative, or of 100 degrees
 # (`python -m bench.traits`).
 SURE, UNSURE = 0.05, 0.15
-SURE_ANGLE, UNSURE_ANGLE = 5.0, 15.0
 SVG_SIZE = (320.0, 84.0)
 FIXED = 'vector-effect="non-scaling-stroke"'  # a constant width of lines in a stretched picture
 
@@ -81,8 +80,6 @@ def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[Trai
     """
     chosen = range(len(clip.track_table)) if tracks is None else tracks
     namer, unit = Namer(clip, ""), clip.unit or "units"
-    units = {0: "°", 1: f" {unit}", 2: f" {unit}²"}
-    unit_of = {trait: units[power] for trait, power in PLOTTED.items()}
     with ThreadPoolExecutor(cpu_count()) as threads:
         scans = list(threads.map(partial(measure, clip, only=chosen), clip.times))
     curves: dict[tuple[int, str], list[tuple[float, float, float, bool]]] = {}
@@ -94,16 +91,13 @@ def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[Trai
             if value is None:
                 continue
             sure = namer.is_sure(organ, trait)
-            if trait == "angle":
-                margin = SURE_ANGLE if sure else UNSURE_ANGLE
-            else:
-                margin = value * (SURE if sure else UNSURE)
+            margin = (100.0 if trait == "angle" else value) * (SURE if sure else UNSURE)
             curves.setdefault((organ.track, trait), []).append((organ.time, value, margin, sure))
         for name, mean in field_means(clip, organ.time, organ.track).items():
             point = (organ.time, mean, 0.0, not namer.is_doubtful(organ))
             curves.setdefault((organ.track, FIELD.format(name)), []).append(point)
     return [
-        TraitCurve(track, trait, unit_of.get(trait, ""), *map(tuple, zip(*points, strict=True)))
+        TraitCurve(track, trait, PLOTTED.get(trait, "").format(unit), *zip(*points, strict=True))
         for (track, trait), points in sorted(curves.items())
     ]
 
