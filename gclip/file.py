@@ -21,7 +21,6 @@ from gclip.text import printable
 
 KEY = "gclip"
 DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}
-MAX_HEADER = 8 << 20  # bytes, plus a quarter of the file
 COLORS = {"start_colors", "end_colors"}  # fields of an interval, both or none
 identity = attrgetter("st_dev", "st_ino", "st_size", "st_mtime_ns")  # changes if the file does
 
@@ -75,18 +74,35 @@ def check_not_truncated(buffer: NDArray[Any]) -> None:
 
 
 def open_container(path: Path) -> Container:
-    """Map a file. Raises ClipError, without the file's name, if it is not a complete container."""
-    from safetensors import SafetensorError
+    """Map a file. Raises ClipError, without the file's name, if it is not a complete container.
 
+    safetensors checks that the buffers follow each other without gaps up to the end of the file.
+    """
+    from safetensors import SafetensorError, safe_open
+
+    buffers = {}
     try:
         before = os.stat(path)
         if not stat.S_ISREG(before.st_mode):
             raise ClipError("not a growth clip, not even a file")
         with open(path, "rb") as file:
-            length = _header_length(file.read(8), before.st_size)
+            first = 8 + int.from_bytes(file.read(8), "little")  # byte of the first buffer
             mapped = Mapped(file.fileno(), 0, access=mmap.ACCESS_READ)
         mapped.name = os.fspath(path)
-        container = _read_header(path, np.frombuffer(mapped, np.uint8), 8 + length)
+        data = np.frombuffer(mapped, np.uint8)
+        with safe_open(path, framework="numpy") as header:
+            text = (header.metadata() or {}).get(KEY)
+            if text is None:
+                raise ClipError('not a growth clip: a safetensors file without the key "gclip"')
+            for name in header.offset_keys():
+                view = header.get_slice(name)
+                kind, shape = view.get_dtype(), view.get_shape()
+                if kind not in DTYPES:
+                    found = f'its buffer "{name[:40]}" is of type {kind}'
+                    raise ClipError(f"{found}; {', '.join(DTYPES)} are allowed")
+                end = first + math.prod(shape) * np.dtype(DTYPES[kind]).itemsize
+                buffers[name] = data[first:end].view(DTYPES[kind]).reshape(shape)
+                first = end
         if identity(before) != identity(os.stat(path)):
             raise ClipError("it is being written right now; try again")
     except FileNotFoundError:
@@ -96,39 +112,6 @@ def open_container(path: Path) -> Container:
     except (SafetensorError, ValueError) as error:
         reason = printable(str(error), 200)
         raise ClipError(f"not a growth clip, or cut short or damaged ({reason})") from None
-    return container
-
-
-def _header_length(start: bytes, size: int) -> int:
-    length = int.from_bytes(start, "little")
-    if len(start) < 8 or length > size - 8:
-        raise ClipError("not a growth clip, or cut short within its header")
-    if length > MAX_HEADER + size // 4:
-        raise ClipError(f"its header is {length} bytes long, too much for a file of {size}")
-    return length
-
-
-def _read_header(path: Path, data: NDArray[np.uint8], first: int) -> Container:
-    """Read the document of a file, and map its buffers, of which the first is at byte `first`.
-
-    safetensors checks that the buffers follow each other without gaps up to the end of the file.
-    """
-    from safetensors import safe_open
-
-    buffers = {}
-    with safe_open(path, framework="numpy") as header:
-        text = (header.metadata() or {}).get(KEY)
-        if text is None:
-            raise ClipError('not a growth clip: a safetensors file without the key "gclip"')
-        for name in header.offset_keys():
-            view = header.get_slice(name)
-            kind, shape = view.get_dtype(), view.get_shape()
-            if kind not in DTYPES:
-                found = f'its buffer "{name[:40]}" is of type {kind}'
-                raise ClipError(f"{found}; {', '.join(DTYPES)} are allowed")
-            end = first + math.prod(shape) * np.dtype(DTYPES[kind]).itemsize
-            buffers[name] = data[first:end].view(DTYPES[kind]).reshape(shape)
-            first = end
     return Container(text, buffers, len(data))
 
 
