@@ -73,14 +73,7 @@ def locate(clip: Clip, day: float) -> tuple[int, float]:
     interval : int
     share : float
         In [0, 1].
-
-    Raises
-    ------
-    ValueError
-        If the day is NaN.
     """
-    if math.isnan(day):
-        raise ValueError("the day is not a number")
     index = bisect_right([interval.start for interval in clip.intervals], day) - 1
     index = min(max(index, 0), len(clip.intervals) - 1)
     interval = clip.intervals[index]
