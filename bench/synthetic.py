@@ -45,7 +45,7 @@ def static(count: int, degree: int = 0) -> Clip:
     (interval,) = clip.intervals
     points = sum(w * p for w, p in zip((0.25, 0.5, 0.25), interval.curve, strict=True))
     half = np.round(points).astype(np.uint16)
-    rest = replace(interval, curve=(half, half) if degree else (half,))
+    rest = replace(interval, degree=degree, curve=(half,) * (degree + 1))
     return replace(clip, intervals=(rest,))
 
 
