@@ -79,10 +79,8 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
     for layer in layers_at(clip, day):
         if layer.litter:
             continue
-        interval, movers = (
-            clip.intervals[layer.interval],
-            slice(layer.group.first, layer.group.stop),
-        )
+        interval = clip.intervals[layer.interval]
+        movers = slice(layer.group.first, layer.group.stop)
         positions = positions_on_curve(interval, movers, layer.parameter).astype(np.float64)
         tracks = np.asarray(interval.tracks[movers])
         ends = np.asarray(interval.curve[-1][movers])
