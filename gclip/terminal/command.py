@@ -8,6 +8,7 @@ import sys
 import warnings
 from collections.abc import Callable
 from signal import SIGINT
+from traceback import walk_tb
 from typing import Annotated, Any
 
 from typer import Context, Exit, Option, Typer, echo
@@ -68,8 +69,13 @@ def verdict(error: Exception) -> tuple[int, str]:
         return BAD_INPUT, f"{error.strerror or error}."
     if isinstance(error, FileNotFoundError):  # without a file's name: from os.getcwd()
         return BAD_INPUT, "the folder that the command was started in is gone."
-    if isinstance(error, (ImportError, OSError)) and "shared object" in str(error):  # from ld.so
-        return BAD_INPUT, f"a library of the system can't be loaded: {str(error).rstrip('.')}."
+    reason = str(error).rstrip(".")
+    if isinstance(error, (ImportError, OSError)) and "shared object" in reason:  # from ld.so
+        return BAD_INPUT, f"a library of the system can't be loaded: {reason}."
+    # A module that is being imported read a wrong environment variable.
+    codes = (frame.f_code.co_name for frame, _ in walk_tb(error.__traceback__))
+    if isinstance(error, ValueError) and "<module>" in codes:
+        return BAD_INPUT, f"a library can't be loaded in this environment: {reason}."
     fault = f"internal error ({type(error).__name__}: {error}); this is a fault of the program"
     return OUR_FAULT, f"{fault}, please report it (set GCLIP_TRACEBACK=1 to see where)."
 

@@ -67,6 +67,13 @@ def test_outcomes(
 @pytest.mark.parametrize(
     ("module", "variable", "value", "said"),
     [
+        (
+            "numpy.f2py",
+            "SOURCE_DATE_EPOCH",
+            "then",
+            "can't be loaded in this environment: .*'then'",
+        ),
+        ("numba", "NUMBA_NUM_THREADS", "0", "can't be loaded in this environment: .* must be > 0"),
         ("numba", "NUMBA_NUM_THREADS", "many", "warning: .*'NUMBA_NUM_THREADS'.*'many'.*parsed"),
         (
             "baker.transport.bisection",
