@@ -122,7 +122,7 @@ TABLE: dict[str, tuple[Action, ...]] = {
         ),
         *_pair(
             ("slower", "faster"), ("[ down", "] up"), "slower, faster",
-            lambda s, sign: s.with_timeline(Timeline.slower if sign < 0 else Timeline.faster),
+            lambda s, sign: s.with_timeline(lambda t: t.faster(sign)),
         ),
         Action("at end", "l", "loop, back and forth, or stop", actions.AT_END.next),
         Action("begin", "i", RANGE, _time(Timeline.begun_here, "Plays from here")),

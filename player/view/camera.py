@@ -1,9 +1,7 @@
 """The camera: turns about a target, with the plant's own up axis kept upright."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Self
 
 import numpy as np
@@ -47,64 +45,48 @@ class Camera:
     radius: float = 1.0  #: of the scene, from which near and far plane follow
 
     @classmethod
-    def fit(cls, bounds: Sequence[Vector], up: str = "z", aspect: float = 16 / 9) -> Self:
-        """A camera that sees the box from `bounds[0]` to `bounds[1]` whole, from every yaw.
-
-        aspect: width by height of the picture.
-        """
-        corners = np.array(list(product(*np.transpose(bounds))), float)
-        return cls._about(corners.mean(axis=0), corners, up)._for_a_turn(corners, aspect)
-
-    @classmethod
     def home(cls, clip: Clip, aspect: float = 16 / 9, turning: bool = False) -> Self:
         """The view that a clip opens with: all of its movers in the picture, seen from where the
         plant looks widest.
 
+        aspect:  width by height of the picture.
         turning: about the stem, with room for a full turn, so that the plant stays in the picture.
         """
         frame, points = axes(clip.up), outline(clip)
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
         if turning:
             middle[:2] = stem(clip)
-        local = points @ frame
-        camera = cls._about(middle @ frame, local, clip.up, _widest_yaw(points[:, :2]))
-        return camera._for_a_turn(local, aspect) if turning else camera._centred(local, aspect)
-
-    @classmethod
-    def _about(cls, target: Vector, points: Vector, up: str, yaw: float = YAW) -> Self:
-        """A camera that looks at a target, in a scene of (n, 3) local points."""
-        radius = float(np.linalg.norm(points - target, axis=1).max())
+        radius = float(np.linalg.norm(points - middle, axis=1).max())
         # A plant may be one point, and far from the origin.
-        radius = max(radius, 1e-6, 1e-9 * float(np.abs(target).max()))
-        return cls(target=triple(target), yaw=yaw, up=up, radius=radius)
+        radius = max(radius, 1e-6, 1e-9 * float(np.abs(middle).max()))
+        yaw, target = _widest_yaw(points[:, :2]), triple(middle @ frame)
+        fit = cls.fitted_to_turns if turning else cls._centred
+        return fit(cls(target, yaw=yaw, up=clip.up, radius=radius), points @ frame, aspect)
 
-    def _for_a_turn(self, points: Vector, aspect: float) -> Self:
-        """As near as all points are in the picture from every yaw."""
+    def fitted_to_turns(self, points: Vector, aspect: float) -> Self:
+        """As near as all of (n, 3) points are in the picture from every yaw."""
         turns = np.linspace(0.0, 2.0 * math.pi, TURNS, endpoint=False).tolist()
-        return replace(self, distance=max(self.orbit(t, 0.0)._least(points, aspect) for t in turns))
+        edges = [self.orbit(turn, 0.0)._edges(points, aspect) for turn in turns]
+        return replace(self, distance=float(np.max(edges)))
 
     def _centred(self, points: Vector, aspect: float) -> Self:
         """As near as all points are in the picture from this side, and in its middle."""
-        camera = replace(self, distance=self._least(points, aspect))
-        for _ in range(4):  # perspective moves the centre a little with every step nearer
-            right, above, towards = camera._frame() @ (points - np.asarray(camera.target)).T
-            away = np.maximum(camera.distance - towards, 1e-9 * camera.distance)
-            middles = [(side.min() + side.max()) / 2 for side in (right / away, above / away)]
-            shift = camera.distance * np.array([*middles, 0.0])
-            camera = replace(camera, target=triple(camera.target + camera._frame().T @ shift))
-            camera = replace(camera, distance=camera._least(points, aspect))
-        return camera
+        high, low = self._edges(points, aspect)
+        distance = float((high + low).max()) / 2
+        right, up = MARGIN * (low - high) / (4.0 * distance)
+        return replace(self, distance=distance).pan(aspect * right, up)
 
-    def _least(self, points: Vector, aspect: float) -> float:
-        """The distance from which on all points are in the picture.
+    def _edges(self, points: Vector, aspect: float) -> Vector:
+        """(2, 2) distances from which on all points are left of the picture's right edge and below
+        its upper one; right of its left edge and above its lower one.
 
         A point (right, above, towards) is where |right| / aspect and |above| are at most
         slope × (distance - towards).
         """
         right, above, towards = self._frame() @ (points - np.asarray(self.target)).T
-        slope = math.tan(self.field_of_view / 2) * MARGIN
-        needed = towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope
-        return max(float(needed.max()), 0.1 * self.radius)
+        sides = np.array([right / aspect, above]) / (math.tan(self.field_of_view / 2) * MARGIN)
+        edges = np.array([(towards + sides).max(axis=1), (towards - sides).max(axis=1)])
+        return np.maximum(edges, 0.1 * self.radius)
 
     def orbit(self, dyaw: float, dpitch: float) -> Self:
         """Turn about the target, in radians; the pitch stops short of straight up and down."""

@@ -1,5 +1,6 @@
 """The clock of the player: where in the series it stands and how it goes on. No graphics."""
 
+from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from typing import Self
@@ -29,7 +30,7 @@ class Timeline:
     speed: float = 1.0  #: factor on the natural speed, one of SPEEDS
     at_end: AtEnd = AtEnd.LOOP
     backwards: bool = False  #: on its way back (PING_PONG)
-    rest: float = field(default=0.0, compare=False)  #: seconds that the clock still waits at an end
+    rest: float = field(default=0.0, compare=False)  #: seconds that the clock has waited at an end
     #: of the part that is played; None for the series' own, as for `end`
     begin: float | None = None
     end: float | None = None
@@ -64,42 +65,39 @@ class Timeline:
         return self.speed * (self.last - self.first) / seconds
 
     @property
-    def _returns(self) -> bool:
-        return self.backwards and self.at_end is AtEnd.PING_PONG
+    def _ends(self) -> tuple[float, float]:
+        """The days that the clock comes from, and goes to."""
+        returns = self.backwards and self.at_end is AtEnd.PING_PONG
+        return (self.upper, self.lower) if returns else (self.lower, self.upper)
 
     def tick(self, seconds: float) -> Self:
         """Let wall time pass: however it is cut into frames, the clock arrives at the same day."""
-        clock = self
-        while clock.playing and seconds > 0.0:
-            clock, seconds = clock._to_next_turn(seconds)
-        return clock
-
-    def _to_next_turn(self, seconds: float) -> tuple[Self, float]:
-        """Rest, or go on to the end at most; returns the clock and the seconds left over."""
-        if self.rest > 0.0:
-            if seconds < self.rest:
-                return replace(self, rest=self.rest - seconds), 0.0
-            return self._turned(), seconds - self.rest
-        if not self.lower <= self.day <= self.upper:
-            return replace(self, day=self.upper if self._returns else self.lower), seconds
-        goal, sign = (self.lower, -1.0) if self._returns else (self.upper, 1.0)
-        needed = abs(goal - self.day) / self.days_per_second
-        if seconds < needed:
-            day = self.day + sign * seconds * self.days_per_second
-            return replace(self, day=min(max(day, self.lower), self.upper)), 0.0
-        if self.at_end is AtEnd.STOP:
-            return replace(self, day=goal, playing=False, backwards=False), 0.0
-        return replace(self, day=goal, rest=REST), seconds - needed
-
-    def _turned(self) -> Self:
-        if self.at_end is AtEnd.PING_PONG:
-            return replace(self, rest=0.0, backwards=self.day == self.upper)
-        return replace(self, rest=0.0, day=self.lower, backwards=False)
+        if not self.playing:
+            return self
+        start, goal = self._ends
+        way = (self.upper - self.lower) / self.days_per_second  # seconds from end to end
+        passed = seconds + self.rest  # since the clock was at `start`
+        if self.lower <= self.day <= self.upper:
+            passed += abs(self.day - start) / self.days_per_second
+        if self.at_end is AtEnd.STOP and passed >= way:
+            return replace(self, day=goal, playing=False, backwards=False, rest=0.0)
+        turns, passed = divmod(passed, way + REST)
+        if self.at_end is AtEnd.PING_PONG and turns % 2:
+            start, goal = goal, start
+        day = goal if passed >= way else start + (goal - start) * passed / way
+        return replace(
+            self,
+            day=min(max(day, self.lower), self.upper),
+            backwards=goal < start,
+            rest=max(passed - way, 0.0),
+        )
 
     def played(self) -> Self:
         """Start the clock; at the end of the series it starts over, or goes back."""
-        at_goal = self.day == (self.lower if self._returns else self.upper)
-        return replace(self._turned() if at_goal else self, playing=True)
+        if self.day != self._ends[1]:
+            return replace(self, playing=True)
+        day = self.day if self.at_end is AtEnd.PING_PONG else self.lower
+        return replace(self, playing=True, day=day, rest=0.0, backwards=day == self.upper)
 
     def paused(self) -> Self:
         return replace(self, playing=False, rest=0.0)
@@ -135,14 +133,11 @@ class Timeline:
 
     def stepped(self, direction: int) -> Self:
         """Pause at the next scan (direction 1) or the one before (-1)."""
-        if direction > 0:
-            ahead = [time for time in self.times if time > self.day]
-            return self.paused().at(ahead[0] if ahead else self.last)
-        behind = [time for time in self.times if time < self.day]
-        return self.paused().at(behind[-1] if behind else self.first)
+        behind = bisect_left(self.times, self.day) - 1
+        scan = bisect_right(self.times, self.day) if direction > 0 else behind
+        return self.paused().at(self.times[min(max(scan, 0), len(self.times) - 1)])
 
-    def faster(self) -> Self:
-        return replace(self, speed=min((s for s in SPEEDS if s > self.speed), default=SPEEDS[-1]))
-
-    def slower(self) -> Self:
-        return replace(self, speed=max((s for s in SPEEDS if s < self.speed), default=SPEEDS[0]))
+    def faster(self, steps: int = 1) -> Self:
+        """By steps of SPEEDS, negative for slower."""
+        index = SPEEDS.index(self.speed) + steps
+        return replace(self, speed=SPEEDS[min(max(index, 0), len(SPEEDS) - 1)])

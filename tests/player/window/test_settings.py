@@ -3,7 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from player.view.camera import Camera
@@ -66,7 +65,7 @@ def test_a_narrow_window_begins_without_the_panel_and_a_wide_one_still_has_it(
         clips: object, style: Style, size: tuple[int, int], changes: Any, **rest: Any
     ) -> tuple:
         timeline = Timeline.of((0.0, 1.0))
-        camera = Camera.fit((np.zeros(3), np.ones(3)))
+        camera = Camera()
         scene = Scene(timeline, camera, camera, style, (), **changes)
         seen.append(scene.panel)
         return scene, size
