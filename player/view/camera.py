@@ -66,27 +66,30 @@ class Camera:
     def fitted_to_turns(self, points: Vector, aspect: float) -> Self:
         """As near as all of (n, 3) points are in the picture from every yaw."""
         turns = np.linspace(0.0, 2.0 * math.pi, TURNS, endpoint=False).tolist()
-        edges = [self.orbit(turn, 0.0)._edges(points, aspect) for turn in turns]
-        return replace(self, distance=float(np.max(edges)))
+        return replace(self, distance=max(self.orbit(t, 0.0)._least(points, aspect) for t in turns))
 
     def _centred(self, points: Vector, aspect: float) -> Self:
         """As near as all points are in the picture from this side, and in its middle."""
-        high, low = self._edges(points, aspect)
-        distance = float((high + low).max()) / 2
-        right, up = MARGIN * (low - high) / (4.0 * distance)
-        return replace(self, distance=distance).pan(aspect * right, up)
+        camera = replace(self, distance=self._least(points, aspect))
+        for _ in range(4):  # perspective moves the centre a little with every step nearer
+            right, above, towards = camera._frame() @ (points - np.asarray(camera.target)).T
+            away = np.maximum(camera.distance - towards, 1e-9 * camera.distance)
+            middles = [(side.min() + side.max()) / 2 for side in (right / away, above / away)]
+            shift = camera.distance * np.array([*middles, 0.0])
+            camera = replace(camera, target=triple(camera.target + camera._frame().T @ shift))
+            camera = replace(camera, distance=camera._least(points, aspect))
+        return camera
 
-    def _edges(self, points: Vector, aspect: float) -> Vector:
-        """(2, 2) distances from which on all points are left of the picture's right edge and below
-        its upper one; right of its left edge and above its lower one.
+    def _least(self, points: Vector, aspect: float) -> float:
+        """The distance from which on all points are in the picture.
 
         A point (right, above, towards) is where |right| / aspect and |above| are at most
         slope × (distance - towards).
         """
         right, above, towards = self._frame() @ (points - np.asarray(self.target)).T
-        sides = np.array([right / aspect, above]) / (math.tan(self.field_of_view / 2) * MARGIN)
-        edges = np.array([(towards + sides).max(axis=1), (towards - sides).max(axis=1)])
-        return np.maximum(edges, 0.1 * self.radius)
+        slope = math.tan(self.field_of_view / 2) * MARGIN
+        needed = towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope
+        return max(float(needed.max()), 0.1 * self.radius)
 
     def orbit(self, dyaw: float, dpitch: float) -> Self:
         """Turn about the target, in radians; the pitch stops short of straight up and down."""

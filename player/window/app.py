@@ -227,8 +227,7 @@ class Window:
         except ClipError as error:  # cut short while it is open: the last picture stays
             self.scene = self.scene.with_notice(str(error))
         screen = self._context.screen
-        screen.use()
-        self.viewports.show(screen, area)
+        self.viewports.show(screen)
         if still:
             pixels = self.viewports.pixels()
             self.scene = self._exports.execute(self.scene, self.clips[0], area, pixels)
