@@ -195,8 +195,8 @@ def play_command(
             typer.echo(printable(line, MAX_LETTERS))
     else:
         chosen = None if size is None else _size(size)
-        options = player.window.LaunchOptions(chosen, ground, turning, path, kiosk, profile)
-        player.window.start(files, style, options)
+        view = {"size": chosen, "ground": ground, "turning": turning, "path": path}
+        player.window.start(files, style, **view, kiosk=kiosk, profile=profile)
 
 
 def _check_baked(file: Path) -> None:

@@ -34,6 +34,7 @@ class Gui:
         io.set_ini_filename("")
         io.set_log_filename("")
         io.mouse_drag_threshold = STILL
+        io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard  # Esc closes lists
         merged = imgui.ImFontConfig()
         merged.merge_mode = True
         merged.glyph_offset = imgui.ImVec2(0.0, 1.0)

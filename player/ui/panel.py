@@ -1,7 +1,5 @@
-"""The panel at the window's right: every choice in sight, and each of them has a key as well."""
+"""The panel at the window's right: every choice in sight, and its key in a tip."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 
 from imgui_bundle import imgui, imgui_ctx
@@ -21,8 +19,8 @@ from player.view.style import ColorMode
 WIDTH = 272.0
 LEAST_BESIDE = 300.0  # what it leaves to the plant
 LEAST_HEIGHT = 200.0  # below which it takes the whole window's
-SMALL = 13.5  # size of keys and of notes
-LABEL, VALUE, EYE = 74.0, 46.0, 26.0  # widths
+SMALL = 13.5  # size of notes
+LABEL, EYE = 80.0, 26.0  # widths
 LARGEST_SIZE, STRONGEST = 5.0, 2.0  # of points and of the shading, at the sliders' ends
 DOT, SEEN, HIDDEN, REMOVE = "\uf111", "\uf06e", "\uf070", "\uf00d"  # icons
 HOW = "Click an organ, on another day or beside it one more with Shift held."
@@ -61,7 +59,9 @@ def draw_panel(
             with imgui_ctx.push_font(gui.bold, 15.0):
                 shown = imgui.collapsing_header(title)
             if shown:
+                imgui.push_item_width(-LABEL)
                 scene = section(scene)
+                imgui.pop_item_width()
     return scene
 
 
@@ -195,49 +195,28 @@ def _icon(icon: str) -> bool:
         return bool(imgui.button(icon))
 
 
-@contextmanager
-def _row(label: str, action: str, kept: float = 0.0) -> Iterator[None]:
-    """A label, a control, and the key that does the same.
-
-    kept: width beside the control, for what is told of it.
-    """
-    imgui.align_text_to_frame_padding()
-    imgui.text_disabled(label)
-    imgui.same_line(PADDING + LABEL)
-    key = imgui.calc_text_size(keys.ACTIONS[action].labels[0]).x
-    imgui.set_next_item_width(-kept - 12.0 - max(key, 14.0))
-    yield
-    _key(action)
-
-
 def _choice(scene: Scene, choice: Choice, action: str) -> Scene:
     """A list to choose from."""
     now = choice.now(scene)
-    with _row(choice.label, action):
-        if imgui.begin_combo(f"##{choice.label}", choice.name(now)):
-            for value in choice.values(scene):
-                if imgui.selectable(choice.name(value), value == now)[0]:
-                    scene = choice.choose(scene, value)
-            if imgui.is_key_pressed(imgui.Key.escape):
-                imgui.close_current_popup()
-            imgui.end_combo()
-        tip(action)
+    if imgui.begin_combo(f"{choice.label}###{choice.field}", choice.name(now)):
+        for value in choice.values(scene):
+            if imgui.selectable(choice.name(value), value == now)[0]:
+                scene = choice.choose(scene, value)
+        imgui.end_combo()
+    tip(action)
     return scene
 
 
 def _slider(
     scene: Scene, label: str, name: str, limits: tuple[float, float], action: str, text: str
 ) -> Scene:
-    """A number of the style, by its name there, and beside it how it reads."""
+    """A number of the style, by its name there, and in it how it reads."""
     flags = imgui.SliderFlags_.no_input
     if limits[0] > 0.0:
         flags |= imgui.SliderFlags_.logarithmic
-    with _row(label, action, VALUE):
-        value = getattr(scene.style, name)
-        changed, value = imgui.slider_float(f"##{label}", value, *limits, "", flags)
-        tip(action)
-        imgui.same_line()
-        imgui.text_unformatted(text)
+    value = getattr(scene.style, name)
+    changed, value = imgui.slider_float(label, value, *limits, text.replace("%", "%%"), flags)
+    tip(action)
     return scene.changed(f"style.{name}", value) if changed else scene
 
 
@@ -249,7 +228,6 @@ def _switches(scene: Scene, *names: str) -> Scene:
         if imgui.checkbox(f"{label}###{name}", on)[0]:
             scene = action.do(scene)
         tip(name)
-        _key(name)
     return scene
 
 
@@ -262,13 +240,3 @@ def _buttons(scene: Scene, labels: dict[str, str]) -> Scene:
         imgui.same_line()
     imgui.new_line()
     return scene
-
-
-def _key(action: str) -> None:
-    """The key that does the same, at the end of the row."""
-    imgui.same_line()
-    with imgui_ctx.push_font(None, SMALL):
-        label = keys.ACTIONS[action].labels[0]
-        left = imgui.get_content_region_avail().x - imgui.calc_text_size(label).x
-        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + left)
-        imgui.text_disabled(label)

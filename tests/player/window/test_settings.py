@@ -9,7 +9,7 @@ from player.view.camera import Camera
 from player.view.playback import Timeline
 from player.view.state import Scene
 from player.view.style import Style
-from player.window.launch import LaunchOptions, start
+from player.window.launch import start
 from player.window.settings import FILE, Settings, load_settings, save_settings
 
 
@@ -71,6 +71,6 @@ def test_a_narrow_window_begins_without_the_panel_and_a_wide_one_still_has_it(
         return scene, size
 
     monkeypatch.setattr("player.window.launch.show", shown)
-    start([clip_file], Style(), LaunchOptions(size=(width, 700)))
+    start([clip_file], Style(), size=(width, 700))
     assert seen == [opened]
     assert load_settings().panel is not False
