@@ -194,9 +194,11 @@ def play_command(
         for line in info_lines(gclip.open(clip), clip):
             typer.echo(printable(line, MAX_LETTERS))
     else:
-        chosen = None if size is None else _size(size)
-        view = {"size": chosen, "ground": ground, "turning": turning, "path": path}
-        player.window.start(files, style, **view, kiosk=kiosk, profile=profile)
+        player.window.start(
+            *(files, style, None if size is None else _size(size), ground, turning, path),
+            kiosk=kiosk,
+            profile=profile,
+        )
 
 
 def _check_baked(file: Path) -> None:

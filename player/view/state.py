@@ -68,12 +68,13 @@ class Scene:
     @property
     def color_mode(self) -> ColorMode:
         """The colouring on screen."""
-        return ColorMode(self.style.color_by).resolved(self.clip.has_colors)
+        return self.style.color_mode(self.clip)
 
     @property
     def color_modes(self) -> list[ColorMode]:
         """What can be chosen, also where the clip lacks it: the answer tells how to get it."""
-        return [mode for mode in ColorMode if mode is mode.resolved(self.clip.has_colors)]
+        without = (ColorMode.AUTO,) if self.clip.has_colors else (ColorMode.AUTO, ColorMode.SCAN)
+        return [mode for mode in ColorMode if mode not in without]
 
     def with_timeline(self, move: Callable[[Timeline], Timeline]) -> Self:
         return replace(self, timeline=move(self.timeline))

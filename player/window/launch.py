@@ -29,11 +29,11 @@ RESETS = 3  # of the graphics driver that are put up with
 def start(
     files: Sequence[Path],
     style: Style,
-    *,
     size: tuple[int, int] | None = None,
     ground: GroundChoice | None = None,
     turning: bool = False,
     path: Path | None = None,
+    *,
     kiosk: bool = False,
     profile: bool = False,
 ) -> None:

@@ -19,9 +19,7 @@ from player.view.style import Style
 Picture = NDArray[np.integer]
 
 
-def fitted(
-    bounds: Sequence[NDArray[np.floating]], up: str = "z", aspect: float = 16 / 9
-) -> Camera:
+def fitted(bounds: Sequence[NDArray[np.floating]], up: str = "z", aspect: float = 16 / 9) -> Camera:
     """A camera that sees the box between two corners from every yaw."""
     corners = np.array(bounds, float)
     middle = corners.mean(axis=0)

@@ -18,7 +18,6 @@ from player.rendering import point_buffers, point_store
 from player.rendering.point_buffers import DrawRange, bytes_per_point
 from player.rendering.point_store import ChunkStore, Prefetch
 from player.rendering.renderer import Renderer
-from player.view.camera import Camera
 from player.view.style import Style
 from tests.player.drawn import drawn, fitted
 from tests.player.positions import gpu_positions

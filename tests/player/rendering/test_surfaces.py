@@ -12,6 +12,7 @@ from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from player.rendering.headless import Offscreen
 from player.view.style import Style
+from tests.player.drawn import fitted
 
 SIZE, SIDE = (640, 480), 2.0
 

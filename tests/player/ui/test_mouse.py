@@ -177,9 +177,7 @@ def test_every_control_does_its_action(context: moderngl.Context, panel: bool) -
 
 
 @pytest.mark.parametrize(("action", "value"), [("larger", "point_size"), ("shading", "eye_dome")])
-def test_sliders_go_from_end_to_end(
-    desk: Desk, action: str, value: str
-) -> None:
+def test_sliders_go_from_end_to_end(desk: Desk, action: str, value: str) -> None:
     desk.scene = replace(desk.scene, panel=True)
     desk.draw(3)
     left, top, right, bottom = desk.places[action]
