@@ -10,7 +10,7 @@ from player.ui.theme import faint, packed
 from player.ui.widgets import BARE
 from player.view.state import Scene
 
-COLUMNS = (("Time", "Organs"), ("View", "Compare"), ("Look", "Window"))
+COLUMNS = (("Time", "Organs"), ("View", "Corrections", "Compare"), ("Look", "Export", "Window"))
 WIDE = 1090.0  # width of a window that has room for all columns side by side
 BETWEEN, PADDING, EDGE = 36.0, 24.0, 12.0  # columns; about them; from the window's edge
 

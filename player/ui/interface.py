@@ -210,11 +210,12 @@ def _row(scene: Scene, names: Sequence[str], left: float, middle: float) -> Scen
     """Icon buttons in a row about a height, a large round one among them."""
     colors, part = imgui.get_style_color_vec4, imgui.Col_
     for name in names:
-        side = PLAY if name == "play" else BUTTON
-        paint = (part.check_mark, part.window_bg) if name == "play" else (part.button, part.text)
+        large = name == "play"
+        side, rounding = (PLAY, PLAY / 2) if large else (BUTTON, imgui.get_style().frame_rounding)
+        paint = (part.check_mark, part.window_bg) if large else (part.button, part.text)
         imgui.set_cursor_screen_pos((left, middle - side / 2))
         with (
-            imgui_ctx.push_style_var(imgui.StyleVar_.frame_rounding, PLAY / 2),
+            imgui_ctx.push_style_var(imgui.StyleVar_.frame_rounding, rounding),
             imgui_ctx.push_style_color(part.button, colors(paint[0])),
             imgui_ctx.push_style_color(part.text, colors(paint[1])),
         ):

@@ -19,15 +19,14 @@ PLANT = (300.0, 250.0)
 # What has no control of its own: the timeline, or a control for the neighbour, does as much.
 KEYS_ALONE = {
     "back", "on", "frame back", "frame on", "first", "last", "begin", "end", "whole", "next organ",
-    "last organ", "wipe left", "wipe right", "leave", "quit", "undo", "redo",
-    "colormap", "curve",  # shown where colours are values, and for an organ that was measured
+    "last organ", "wipe left", "wipe right", "leave", "quit",
 }  # fmt: skip
-CHOICES = {"color", "compare", "format", "size"}  # lists, where the key goes through the choices
+CHOICES = {"color", "colormap", "compare", "curve", "format", "size"}  # lists, where the key goes through the choices
 
 
 @pytest.fixture
 def desk(context: moderngl.Context) -> Iterator[Desk]:
-    desk = Desk(context, small_clip(), scale=0.5)
+    desk = Desk(context, small_clip(), size=(900.0, 1000.0), scale=0.5)
     yield desk
     desk.release()
 
@@ -161,7 +160,7 @@ def opened(desk: Desk) -> None:
 
 @pytest.mark.parametrize("panel", [False, True])
 def test_every_control_does_its_action(context: moderngl.Context, panel: bool) -> None:
-    desk = Desk(context, small_clip(), size=(1280.0, 900.0), scale=0.25)
+    desk = Desk(context, small_clip(), size=(1280.0, 1000.0), scale=0.25)
     if panel:
         opened(desk)
         assert set(keys.ACTIONS) - set(desk.places) == KEYS_ALONE
@@ -200,7 +199,10 @@ def test_lists_choose(desk: Desk, action: str) -> None:
     assert not desk.interface.popup, "Esc closes it"
     assert desk.scene == before
     desk.click(action)
-    names = {"color": "organs", "compare": "wipe", "format": "film.webm", "size": "1280 × 720"}
+    names = {
+        "color": "organs", "colormap": "magma", "compare": "wipe", "curve": "area",
+        "format": "film.webm", "size": "1280 × 720",
+    }  # fmt: skip
     desk.click(names[action])
     assert not desk.interface.popup
     assert desk.scene != before
@@ -247,8 +249,8 @@ def test_what_was_put_right_is_listed_and_taken_out(desk: Desk) -> None:
     desk.scene = replace(desk.scene, edits=Edits(said))
     desk.draw(3)
     assert {"same", "different", "cut"} <= desk.places.keys(), "two organs open the section"
-    left, _, _, bottom = desk.places["same"]
-    desk.click((left + 10.0, bottom + 20.0))
+    left, bottom = desk.places["same"][0], desk.places["redo"][3]
+    desk.click((left + 10.0, bottom + 55.0))  # under the two organs' names
     assert desk.scene.edits == Edits(said).changed(said[1:])
 
 
