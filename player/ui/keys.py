@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from player.view.state import Scene
 
 NUDGE = 0.01  # share of the series that an arrow key goes on
+FRAMES = 30  # a second, of the steps from frame to frame
 STEP = 1.15  # factor of point sizes
 PIXELS = 3.0  # diameter of points that begin to be sized so
 WIPE_STEP = 0.05  # share of the width
@@ -115,11 +116,13 @@ TABLE: dict[str, tuple[Action, ...]] = {
         Action("play", "space", "play, pause", _time(Timeline.toggled)),
         *_pair(
             ("back", "on"), ("left", "right"), "back, on a little",
-            lambda s, sign: s.with_timeline(lambda t: t.nudged(sign * NUDGE)), True,
+            lambda s, sign: s.with_timeline(lambda t: t.moved(sign * NUDGE * (t.last - t.first))),
+            True,
         ),
         *_pair(
             ("frame back", "frame on"), (",", "."), "one frame back, on",
-            lambda s, sign: s.with_timeline(lambda t: t.framed(sign)), True,
+            lambda s, sign: s.with_timeline(lambda t: t.moved(sign * t.days_per_second / FRAMES)),
+            True,
         ),
         *_pair(
             ("previous", "next"), ("page_up shift+left", "page_down shift+right"),

@@ -164,13 +164,13 @@ class TimelineView:
 def _draw_line(pen: Pen, line: Line, timeline: Timeline, lively: bool) -> None:
     theme, sheet, y = pen.theme, pen.sheet, line.height
     now, thick = line.x_of(timeline.day), 2.5 if lively else 1.5
-    begin, end = line.x_of(timeline.lower), line.x_of(timeline.upper)
+    begin, end = line.x_of(timeline.begin), line.x_of(timeline.end)
     for left, right, paint in (
         (line.left, line.right, theme.track),
         (begin, max(now, begin), theme.accent),
     ):
         sheet.add_rect_filled((left, y - thick), (right, y + thick), packed(paint), thick)
-    if timeline.begin is not None or timeline.end is not None:
+    if (timeline.begin, timeline.end) != (timeline.first, timeline.last):
         for x, bracket in ((begin, "["), (end, "]")):  # about the part that is played
             pen.write(x, y, bracket, DATE_SIZE, theme.text, align=0.5)
     for time in line.times:

@@ -9,7 +9,6 @@ SPEEDS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 SECONDS_PER_INTERVAL = 2.0  # at speed 1, on average over the series
 SHORTEST, LONGEST = 4.0, 24.0  # seconds that a whole series takes at speed 1
 REST = 0.8  # seconds to look at an end before the clock goes on
-FRAMES = 30  # a second, of the steps from frame to frame
 
 
 class AtEnd(StrEnum):
@@ -26,19 +25,18 @@ class Timeline:
 
     times: tuple[float, ...]  #: the scans' times, ascending, at least two, in the clip's unit
     day: float  #: where the clock stands, from times[0] to times[-1]
+    begin: float  #: of the part that is played
+    end: float
     playing: bool = False
     speed: float = 1.0  #: factor on the natural speed, one of SPEEDS
     at_end: AtEnd = AtEnd.LOOP
     backwards: bool = False  #: on its way back (PING_PONG)
     rest: float = field(default=0.0, compare=False)  #: seconds that the clock has waited at an end
-    #: of the part that is played; None for the series' own, as for `end`
-    begin: float | None = None
-    end: float | None = None
 
     @classmethod
     def of(cls, times: list[float] | tuple[float, ...]) -> Self:
         """A clock that stands at the first scan."""
-        return cls(tuple(times), times[0])
+        return cls(tuple(times), times[0], times[0], times[-1])
 
     @property
     def first(self) -> float:
@@ -47,16 +45,6 @@ class Timeline:
     @property
     def last(self) -> float:
         return self.times[-1]
-
-    @property
-    def lower(self) -> float:
-        """Where playing begins."""
-        return self.first if self.begin is None else self.begin
-
-    @property
-    def upper(self) -> float:
-        """Where playing ends."""
-        return self.last if self.end is None else self.end
 
     @property
     def days_per_second(self) -> float:
@@ -68,16 +56,16 @@ class Timeline:
     def _ends(self) -> tuple[float, float]:
         """The days that the clock comes from, and goes to."""
         returns = self.backwards and self.at_end is AtEnd.PING_PONG
-        return (self.upper, self.lower) if returns else (self.lower, self.upper)
+        return (self.end, self.begin) if returns else (self.begin, self.end)
 
     def tick(self, seconds: float) -> Self:
         """Let wall time pass: however it is cut into frames, the clock arrives at the same day."""
         if not self.playing:
             return self
         start, goal = self._ends
-        way = (self.upper - self.lower) / self.days_per_second  # seconds from end to end
+        way = (self.end - self.begin) / self.days_per_second  # seconds from end to end
         passed = seconds + self.rest  # since the clock was at `start`
-        if self.lower <= self.day <= self.upper:
+        if self.begin <= self.day <= self.end:
             passed += abs(self.day - start) / self.days_per_second
         if self.at_end is AtEnd.STOP and passed >= way:
             return replace(self, day=goal, playing=False, backwards=False, rest=0.0)
@@ -87,7 +75,7 @@ class Timeline:
         day = goal if passed >= way else start + (goal - start) * passed / way
         return replace(
             self,
-            day=min(max(day, self.lower), self.upper),
+            day=min(max(day, self.begin), self.end),
             backwards=goal < start,
             rest=max(passed - way, 0.0),
         )
@@ -96,8 +84,8 @@ class Timeline:
         """Start the clock; at the end of the series it starts over, or goes back."""
         if self.day != self._ends[1]:
             return replace(self, playing=True)
-        day = self.day if self.at_end is AtEnd.PING_PONG else self.lower
-        return replace(self, playing=True, day=day, rest=0.0, backwards=day == self.upper)
+        day = self.day if self.at_end is AtEnd.PING_PONG else self.begin
+        return replace(self, playing=True, day=day, rest=0.0, backwards=day == self.end)
 
     def paused(self) -> Self:
         return replace(self, playing=False, rest=0.0)
@@ -109,27 +97,23 @@ class Timeline:
         """Go to a day; days outside the series give its first or last one."""
         return replace(self, day=min(max(day, self.first), self.last), rest=0.0)
 
-    def nudged(self, share: float) -> Self:
-        """Pause and go on by a share of the whole series, negative for back."""
-        return self.paused().at(self.day + share * (self.last - self.first))
-
-    def framed(self, count: int) -> Self:
-        """Pause and go on by frames of a film, negative for back."""
-        return self.paused().at(self.day + count * self.days_per_second / FRAMES)
+    def moved(self, days: float) -> Self:
+        """Pause and go on by some days, negative for back."""
+        return self.paused().at(self.day + days)
 
     def begun_here(self) -> Self:
         """Play from this day on; an end that lies before it no longer counts."""
-        begin = None if self.day in (self.first, self.last) else self.day
-        return replace(self, begin=begin, end=self.end if self.upper > self.day else None)
+        begin = self.first if self.day == self.last else self.day
+        return replace(self, begin=begin, end=self.end if self.end > self.day else self.last)
 
     def ended_here(self) -> Self:
         """Play up to this day; a beginning that lies after it no longer counts."""
-        end = None if self.day in (self.first, self.last) else self.day
-        return replace(self, end=end, begin=self.begin if self.lower < self.day else None)
+        end = self.last if self.day == self.first else self.day
+        return replace(self, end=end, begin=self.begin if self.begin < self.day else self.first)
 
     def unbounded(self) -> Self:
         """Play the whole series."""
-        return replace(self, begin=None, end=None)
+        return replace(self, begin=self.first, end=self.last)
 
     def stepped(self, direction: int) -> Self:
         """Pause at the next scan (direction 1) or the one before (-1)."""

@@ -102,7 +102,7 @@ def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
     picked or compared with.
     """
     clip, style, path = clips[0], scene.style, CameraPath() if fresh else scene.path
-    timeline = replace(scene.timeline, times=tuple(clip.times), begin=None, end=None)
+    timeline = replace(scene.timeline, times=tuple(clip.times)).unbounded()
     if len(clip.track_table) != len(scene.clip.track_table):
         style = replace(style, picked=None, second=None, alone=None, hidden=frozenset())
     if ColorMode(style.color_by).lacking(clip):
