@@ -139,10 +139,7 @@ TABLE: dict[str, tuple[Action, ...]] = {
         _choose("at end", "l", "loop, back and forth, or stop", actions.AT_END),
         Action("begin", "i", RANGE, _time(Timeline.begun_here, "Plays from here")),
         Action("end", "o", RANGE, _time(Timeline.ended_here, "Plays up to here")),
-        Action(
-            "whole", "u", "play the whole series",
-            _time(Timeline.unbounded, "Plays the whole series"),
-        ),
+        Action("whole", "u", "play the whole series", _time(Timeline.unbounded, "Plays all of it")),
     ),
     "View": (
         Action("front", "1", SIDES, lambda s: actions.look_from(s, 0)),
@@ -155,10 +152,7 @@ TABLE: dict[str, tuple[Action, ...]] = {
             lambda s: s.with_camera(lambda c: c.with_orthographic(not c.orthographic)),
             on=lambda s: s.camera.orthographic,
         ),
-        Action(
-            "turn", "t", "go round the plant",
-            lambda s: replace(s, turning=not s.turning, following=False), on=lambda s: s.turning,
-        ),
+        _switch("turn", "t", "go round the plant", "turning"),
         Action(
             "follow", "j", "follow the camera's path", actions.follow_path,
             on=lambda s: s.following,

@@ -158,7 +158,8 @@ class Window:
             elif dropped:
                 self._take([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
             elif self._files.changed():
-                self._take([one.reopened() for one in self.clips], fresh=False)
+                again = [OpenClip.of(one.file) if one.file else one for one in self.clips]
+                self._take(again, fresh=False)
         except UserError as error:
             told = str(error)
             for name in dropped:  # folders would leave no room for what is wrong

@@ -27,10 +27,6 @@ class OpenClip:
         """Raises ClipError where it is no clip."""
         return cls(open_as_baked(file), file.stem, file)
 
-    def reopened(self) -> Self:
-        """As its file is now. Raises ClipError where that is no clip any more."""
-        return self if self.file is None else self.of(self.file)
-
 
 class FileWatch:
     """Notices when files are replaced, as `bake` does by renaming."""
