@@ -32,7 +32,6 @@ BUTTON, PLAY, GAP, SPEED = 32.0, 44.0, 4.0, 40.0
 # In smaller windows buttons are left out that keys do as well, and annotations.
 ROOMY = (520.0, 420.0)
 WIPE_REACH = 9.0  # how far from the wipe's line the mouse still takes hold of it
-NOTICE_SIZE = 15.0
 
 TOOLS = (
     "color", "smaller", "larger", "ground", "turn", "fit", "picture", "fullscreen", "panel", "help",
