@@ -11,16 +11,18 @@ from numpy.typing import NDArray
 from gclip import Clip
 from player.errors import PlayerError
 from player.view.annotations import (
+    BOLD,
+    REGULAR,
     RGB,
     draw_date,
     draw_organs,
     draw_ramp,
     draw_scale_bar,
     draw_title,
+    font_file,
 )
 from player.view.camera import Camera
 from player.view.colors import ValueRange
-from player.view.fonts import BOLD, REGULAR, font_file
 from player.view.style import GROUNDS
 
 if TYPE_CHECKING:

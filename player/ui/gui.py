@@ -11,7 +11,7 @@ import moderngl
 from imgui_bundle import imgui
 
 from player.ui.theme import DARK, Theme, dress
-from player.view.fonts import BOLD, ICONS, REGULAR, font_file
+from player.view.annotations import BOLD, ICONS, REGULAR, font_file
 
 STILL = 4.0  # units that the mouse may move between press and release of a click
 NOWHERE = (-1e6, -1e6)  # the mouse, while it is outside the window

@@ -120,15 +120,14 @@ class Window:
     @property
     def _lively(self) -> bool:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
-        plays = self.scene.timeline.playing and not self._interface.timeline.held
-        settles = glfw.get_time() < self._changed_at + SETTLING
-        moves = (
-            plays
+        return (
+            (self.scene.timeline.playing and not self._interface.timeline.held)
             or self.scene.turning
             or self.scene.notice != ""
             or self._interface.organs.measuring
+            or glfw.get_time() < self._changed_at + SETTLING
+            or not self.viewports.whole
         )
-        return moves or settles or not self.viewports.whole
 
     def _pass_time(self, seconds: float, now: float) -> None:
         scene = self.scene
@@ -216,7 +215,9 @@ class Window:
             return
         if not measures.visible:
             return
-        moves = drawn is None or _view(*wanted) != _view(*drawn)
+        moves = drawn is None or (scene.timeline.day, scene.camera, measures) != (
+            drawn[0].timeline.day, drawn[0].camera, drawn[1],
+        )  # fmt: skip
         aside = panel_width(scene, measures.units[0])
         area, panes = measures.beside(aside), panes_of(scene, [one.name for one in self.clips])
         still = scene.wish is not None  # a picture of all that there is
@@ -254,8 +255,3 @@ class Window:
         self._drawn = None
         self._follow_window()
         self._draw()
-
-
-def _view(scene: Scene, measures: Measures) -> object:
-    """What moves: the day, the camera and the size."""
-    return scene.timeline.day, scene.camera, measures

@@ -21,7 +21,14 @@ KEYS_ALONE = {
     "back", "on", "frame back", "frame on", "first", "last", "begin", "end", "whole", "next organ",
     "last organ", "wipe left", "wipe right", "leave", "quit",
 }  # fmt: skip
-CHOICES = {"color", "colormap", "compare", "curve", "format", "size"}  # lists, where the key goes through the choices
+CHOICES = {
+    "color",
+    "colormap",
+    "compare",
+    "curve",
+    "format",
+    "size",
+}  # lists, where the key goes through the choices
 
 
 @pytest.fixture
