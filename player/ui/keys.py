@@ -101,11 +101,6 @@ def _switch(name: str, keys: str, help: str, field: str) -> Action:
     return Action(name, keys, help, lambda scene: scene.changed(field, not value(scene)), on=value)
 
 
-def _wish(name: str, key: str, help: str, wish: Wish) -> Action:
-    """What the window does when it draws the next picture."""
-    return Action(name, key, help, lambda scene: replace(scene, wish=wish))
-
-
 def _choose(name: str, key: str, help: str, choice: Choice) -> Action:
     """What goes on to the next of several values."""
     return Action(name, key, help, choice.next, choice=choice)
@@ -223,8 +218,8 @@ TABLE: dict[str, tuple[Action, ...]] = {
         _choose("format", "shift+e", "choose what to export", actions.FORMAT),
         _choose("size", "r", "size of pictures", actions.SIZE),
         _switch("transparent", "shift+s", "pictures without background", "output.transparent"),
-        _wish("export", "e", "export, or stop exporting", Wish.EXPORT),
-        _wish("picture", "s", "save a picture", Wish.PICTURE),
+        Action("export", "e", "export, or stop exporting", lambda s: replace(s, wish=Wish.EXPORT)),
+        Action("picture", "s", "save a picture", lambda s: replace(s, wish=Wish.PICTURE)),
     ),
     "Window": (
         _switch("panel", "tab", "panel", "panel"),
