@@ -253,12 +253,12 @@ def test_what_was_put_right_is_listed_and_taken_out(desk: Desk) -> None:
     said = Correction("same", tuple(places)), Correction("cut", (places[0],))
     picked = replace(desk.scene.style, picked=1)
     desk.scene = replace(desk.scene, panel=True, style=picked, chosen=tuple(places))
-    desk.scene = replace(desk.scene, edits=Edits(said))
+    desk.scene = replace(desk.scene, edits=Edits((said,)))
     desk.draw(3)
     assert {"same", "different", "cut"} <= desk.places.keys(), "two organs open the section"
     left, bottom = desk.places["same"][0], desk.places["redo"][3]
     desk.click((left + 10.0, bottom + 55.0))  # under the two organs' names
-    assert desk.scene.edits == Edits(said).changed(said[1:])
+    assert desk.scene.edits == Edits((said,)).changed(said[1:])
 
 
 def test_an_organ_is_named_in_the_panel(context: moderngl.Context) -> None:
