@@ -201,9 +201,8 @@ class Window:
         width *= 0.5 if self.scene.compare is Compare.BESIDE else 1.0
         plot = strip_height(self.scene, height)
         if self._measures.visible and self._fitted != (width, height, plot):
-            before = self._fitted[2] if self._fitted else plot
             self._fitted = (width, height, plot)
-            self.scene = fitted(self.scene, (width, height), plot, before)
+            self.scene = fitted(self.scene, (width, height), plot)
 
     def _draw(self) -> None:
         """Draw the next picture, if it may differ from the last one."""

@@ -15,7 +15,7 @@ from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.colors import Colors
 from player.view.organ_place import organ_place
-from player.view.split_view import Pane, paired_homes
+from player.view.split_view import Pane, paired_homes, transferred
 from player.view.state import Scene
 from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
@@ -34,23 +34,18 @@ def home_camera(clip: Clip, size: tuple[float, float], plot: float = 0.0) -> Cam
     return camera.pan(0.0, (below - ABOVE) / 2 / height)
 
 
-def fitted(
-    scene: Scene, size: tuple[float, float], plot: float = 0.0, before: float = 0.0
-) -> Scene:
+def fitted(scene: Scene, size: tuple[float, float], plot: float = 0.0) -> Scene:
     """The scene with the home cameras of a window, and its camera as it stood beside the last one.
 
-    size: (width, height) in units of what a plant has of the window.
-    plot, before: the height of the plot above the timeline, now and with the last home camera.
+    size, plot: as `home_camera` takes them, of what a plant has of the window.
     """
     home, *rest = (home_camera(clip, size, plot) for clip in scene.clips)
-    other = None
+    other, flat = None, scene.camera.orthographic
     if rest:
         home, other = paired_homes(scene.clips, (home, *rest))
-    flat = scene.camera.orthographic
-    last, now = scene.home.with_orthographic(flat), home.with_orthographic(flat)
-    lowered = scene.camera.pan(0.0, -before / 2 / size[1])
-    farther = replace(lowered, distance=lowered.distance * now.distance / last.distance)
-    camera = now if scene.camera == last else farther.pan(0.0, plot / 2 / size[1])
+    camera = transferred(scene.camera, scene.home, home)
+    if scene.camera == scene.home.with_orthographic(flat):
+        camera = home.with_orthographic(flat)
     return replace(scene, camera=camera, home=home, other_home=other)
 
 
