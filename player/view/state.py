@@ -113,6 +113,7 @@ def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
     return replace(
         scene,
         clips=clips,
+        camera=scene.home if fresh else scene.camera,
         timeline=timeline.at(clip.times[0] if fresh else timeline.day),
         style=style,
         compare=compare,

@@ -67,7 +67,6 @@ class Window:
         scene = Scene(timeline, camera, camera, style, bare[:1])
         self.scene = replace(reopened(scene, bare, fresh=True), **changes)
         self._fit()
-        self.scene = replace(self.scene, camera=self.scene.home)
         listen(handle, self._press, self._draw_again, self._dropped.extend)
         if self.scene.kiosk:
             glfw.set_input_mode(handle, glfw.CURSOR, glfw.CURSOR_HIDDEN)
@@ -174,8 +173,6 @@ class Window:
         told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
         self.scene = reopened(scene, bare, fresh).with_notice(told)
         self._fit()
-        if fresh or scene.camera == scene.home:
-            self.scene = replace(self.scene, camera=self.scene.home)
 
     def _press(self, key: str, shift: bool, repeated: bool) -> None:
         if self._gui.writes or (key == "escape" and self._interface.popup):
