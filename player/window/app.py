@@ -20,11 +20,12 @@ from player.ui.curves import strip_height
 from player.ui.gui import Gui
 from player.ui.interface import Interface
 from player.ui.panel import panel_width
+from player.view.camera import Camera
 from player.view.camera_animation import load_path
 from player.view.choices import Compare
 from player.view.dates import date_at
 from player.view.playback import Timeline
-from player.view.split_view import Pane, panes_of
+from player.view.split_view import panes_of
 from player.view.state import Scene, reopened
 from player.view.style import Style
 from player.window.dynamic_resolution import Detail, DynamicResolution
@@ -60,6 +61,7 @@ class Window:
         self._measures = Measures.of(handle)
         self._dropped: list[str] = []
         self._drawn: tuple[Scene, Measures] | None = None
+        self._view: tuple[float, Camera, Measures] | None = None
         self._changed_at = 0.0
         self._title, self._notice, self._notice_ends = "", "", 0.0
         bare = self._show(clips)
@@ -113,7 +115,7 @@ class Window:
         self._kept = KeptEdits(clips[0])
         self._files = FileWatch(*[one.file for one in clips if one.file is not None])
         self._fitted: tuple[float, float, float] | None = None
-        self._drawn = None
+        self._drawn = self._view = None
         return bare
 
     @property
@@ -204,18 +206,15 @@ class Window:
     def _draw(self) -> None:
         """Draw the next picture, if it may differ from the last one."""
         scene, measures, now = self.scene, self._measures, glfw.get_time()
-        wanted, drawn = (scene, measures), self._drawn
-        if wanted != drawn or self._gui.pending:
+        view = scene.timeline.day, scene.camera, measures
+        if (scene, measures) != self._drawn or self._gui.pending:
             self._changed_at = now
         elif not self._lively:
             return
         if not measures.visible:
             return
-        moves = drawn is None or (scene.timeline.day, scene.camera, measures) != (
-            drawn[0].timeline.day, drawn[0].camera, drawn[1],
-        )  # fmt: skip
-        aside = panel_width(scene, measures.units[0])
-        area, panes = measures.beside(aside), panes_of(scene, [one.name for one in self.clips])
+        moves, area = view != self._view, measures.beside(panel_width(scene, measures.units[0]))
+        panes = panes_of(scene, [one.name for one in self.clips])
         still = scene.wish is not None  # a picture of all that there is
         detail = self._resolution.detail(area) if moves and not still else Detail()
         at_rest = still or not (moves or self.viewports.loading)
@@ -234,16 +233,17 @@ class Window:
         if moves:  # swapping waits for the display
             self._resolution.frame_took(max(glfw.get_time() - now, self.viewports.gpu_seconds))
         glfw.swap_buffers(self._handle)
-        self._drawn = wanted
-        self._pick(panes, (measures.units[0] - aside, measures.units[1]))
+        self._drawn, self._view = (scene, measures), view
+        self._pick()
         self._watch(self.scene)
 
-    def _pick(self, panes: Sequence[Pane], area: tuple[float, float]) -> None:
-        """Pick the organ that was clicked in the plant's part of the window, in units."""
-        mouse = self._interface.mouse
+    def _pick(self) -> None:
+        """Pick the organ that was clicked."""
+        mouse, scale = self._interface.mouse, self._measures.scale
         if mouse.clicked is None or self.scene.kiosk:
             return
-        if found := self.viewports.organ_under(self.scene, panes, mouse.clicked, area):
+        x, y = mouse.clicked
+        if found := self.viewports.organ_under(self.scene, (x * scale, y * scale)):
             self.scene = actions.pick(self.scene, *found, mouse.more)
 
     def _draw_again(self) -> None:

@@ -99,30 +99,23 @@ class Viewports:
         self._painted = wanted
 
     def organ_under(
-        self,
-        scene: Scene,
-        panes: Sequence[Pane],
-        at: tuple[float, float],
-        size: tuple[float, float],
+        self, scene: Scene, at: tuple[float, float]
     ) -> tuple[int | None, Place | None] | None:
-        """The track of the first clip's organ that is seen at a place, and where it was clicked;
-        None over another clip.
-
-        at: the place, from the top left corner; size: of the window, in the same unit.
+        """The track of the first clip's organ that is seen at a place of the picture, in pixels
+        from its top left corner, and where it was clicked; None over another clip.
         """
-        width, height = size
+        assert self._painted
+        size, panes, style, _ = self._painted
         for pane in panes:
-            left, right = pane.left * width, pane.right * width
-            if pane.clip == 0 and left <= at[0] < right:
-                left, right = (left, right) if pane.own else (0.0, width)
-                x, y, whole = at[0] - left, at[1], (right - left, height)
-                renderer = self._renderer(pane, scene.style)
-                track = renderer.organ_at(pane.day, pane.camera, scene.style, (x, y), whole)
+            (left, _, width, height), seen = _places(pane, size)
+            if pane.clip == 0 and seen[0] <= at[0] < seen[0] + seen[2]:
+                x, y = at[0] - left, at[1]
+                renderer, whole = self._renderer(pane, style), (width, height)
+                track = renderer.organ_at(pane.day, pane.camera, style, (x, y), whole)
                 if track is None:
                     return None, None
-                spot = 2 * x / whole[0] - 1, 1 - 2 * y / height
-                seen = pane.camera, whole[0] / height, spot
-                return track, organ_place(scene.clip, track, pane.day, seen)
+                view = pane.camera, width / height, (2 * x / width - 1, 1 - 2 * y / height)
+                return track, organ_place(scene.clip, track, pane.day, view)
         return None
 
     @property
