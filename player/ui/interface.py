@@ -29,14 +29,13 @@ TOP, BOTTOM = 80.0, 124.0  # heights of the strips that hold title and buttons, 
 CAPTION = 36.0  # of the one that tells what is compared
 CONTROLS = 84.0  # height of what the mouse can hold in the lower one
 BUTTON, PLAY, GAP, SPEED = 32.0, 44.0, 4.0, 40.0
-# In smaller windows buttons are left out that keys do as well, and annotations.
-ROOMY = (520.0, 420.0)
+TITLE = 150.0  # width that the title keeps beside the buttons
+ROOMY = (520.0, 420.0)  # smaller windows lack buttons that keys do as well, and annotations
 WIPE_REACH = 9.0  # how far from the wipe's line the mouse still takes hold of it
 
-TOOLS = (
-    "color", "smaller", "larger", "ground", "turn", "fit", "picture", "fullscreen", "panel", "help",
+TOOLS = (  # the last ones, as many as there is room for
+    "smaller", "larger", "turn", "picture", "fullscreen", "ground", "color", "fit", "panel", "help",
 )  # fmt: skip
-FEW_TOOLS = ("color", "ground", "fit", "panel", "help")
 BEFORE, AFTER = ("previous", "play", "next"), ("slower", "faster", "at end")  # the timeline
 WIDTHS = {"play": PLAY, "slower": BUTTON + SPEED}  # other than BUTTON's
 # Font Awesome 6, by the name of the action that the button does.
@@ -88,7 +87,8 @@ class Interface:
         shown, self.organs.measuring = scene, False
         self._gui.begin(size, scale, theme_of(scene.style.ground))
         area = (size[0] - panel_width(scene, size[0]), size[1])
-        margin, below = _margin(area), BOTTOM + strip_height(scene, area[1])
+        margin = 24.0 if area[0] >= ROOMY[0] else 14.0
+        below = BOTTOM + strip_height(scene, area[1])
         below += CAPTION if len(panes) > 1 else 0.0
         insets = (margin, TOP - 8.0, margin, below)
         pen = Pen(self._gui, imgui.get_background_draw_list(), area, insets)
@@ -115,8 +115,9 @@ class Interface:
 
     def _draw_title(self, pen: Pen, scene: Scene) -> Scene:
         """The clip's name, and the buttons beside it."""
-        theme, margin = pen.theme, _margin(pen.size)
-        tools = TOOLS if pen.size[0] >= ROOMY[0] else FEW_TOOLS
+        theme, margin = pen.theme, pen.insets[0]
+        room = int((pen.size[0] - 2 * margin - TITLE) / (BUTTON + GAP))
+        tools = TOOLS[-max(room, 1) :]
         left = pen.size[0] - margin - _width(tools)
         with imgui_ctx.push_font(pen.bold, 20.0):
             name = fitted(self._name, left - margin - 12.0)
@@ -129,7 +130,7 @@ class Interface:
 
     def _draw_controls(self, pen: Pen, scene: Scene) -> Scene:
         """The timeline, and the buttons at both of its ends."""
-        (width, height), margin, picked = pen.size, _margin(pen.size), scene.style.picked
+        (width, height), margin, picked = pen.size, pen.insets[0], scene.style.picked
         roomy, middle = width >= ROOMY[0], height - 50.0  # of the timeline's line
         before, after = (BEFORE, AFTER) if roomy else (("play",), ("at end",))
         right = width - margin - _width(after)
@@ -140,8 +141,7 @@ class Interface:
             if picked is not None and strip_height(scene, height):
                 curves = self.organs.curves(picked)
                 scene = draw_curve(pen, scene, curves, ends, height - BOTTOM)
-            least = 8.0 if roomy else margin + _width(before) + GAP
-            scene = self.timeline.draw(pen, scene, ends, least)
+            scene = self.timeline.draw(pen, scene, ends)
         if roomy:
             speed, x = scene.timeline.speed, right + BUTTON + (GAP + SPEED) / 2
             text = SPEEDS.get(speed, f"{speed:.0f}×")
@@ -163,7 +163,7 @@ class Interface:
 
     def _draw_kiosk(self, pen: Pen, scene: Scene) -> None:
         """The date, and nothing that could be pressed."""
-        x, y = _margin(pen.size) + 8.0, pen.size[1] - _margin(pen.size) - 16.0
+        x, y = pen.insets[0] + 8.0, pen.size[1] - pen.insets[0] - 16.0
         date = date_at(scene.clip.scans, scene.timeline.day)
         pen.write(x, y, date, 26.0, pen.theme.text, bold=True)
         pen.write(x, y - 32.0, self._name, 17.0, pen.theme.muted)
@@ -232,7 +232,3 @@ def _icon(name: str, scene: Scene) -> str:
         "ground": "\uf185" if scene.style.ground == "dark" else "\uf186",
         "fullscreen": "\uf066" if scene.fullscreen else "\uf065",
     }[name]
-
-
-def _margin(size: tuple[float, float]) -> float:
-    return 24.0 if size[0] >= ROOMY[0] else 14.0

@@ -86,11 +86,10 @@ class TimelineView:
         self._dates = short_dates([scan.date for scan in clip.scans])
         self.held = False
 
-    def draw(self, pen: Pen, scene: Scene, ends: tuple[float, float], least: float) -> Scene:
+    def draw(self, pen: Pen, scene: Scene, ends: tuple[float, float]) -> Scene:
         """Draw it, and give the scene as the mouse changed it.
 
-        ends:  where the line begins and ends, across the window that ImGui has begun.
-        least: the x that dates stay right of.
+        ends: where the line begins and ends, across the window that ImGui has begun.
         """
         y, others = pen.size[1] - 50.0, tuple(held.time for held in self._clip.held_out)
         line = Line(ends[0], max(ends[1], ends[0] + 1.0), y, tuple(self._clip.times), others)
@@ -105,9 +104,8 @@ class TimelineView:
         self._draw_marks(pen, line)
         for key, _ in scene.path.keys:
             pen.sheet.add_ngon_filled((line.x_of(key), y + EVENT), 4.5, packed(pen.theme.text), 4)
-        for scan, x in labels_on(
-            line, self._dates, (least, pen.size[0] - EDGE), lambda text: pen.width(text, LABEL_SIZE)
-        ):
+        edges = EDGE, pen.size[0] - EDGE
+        for scan, x in labels_on(line, self._dates, edges, lambda t: pen.width(t, LABEL_SIZE)):
             color = pen.theme.text if line.times[scan] == day else pen.theme.muted
             pen.write(x, y + LABELS_BELOW, self._dates[scan], LABEL_SIZE, color, align=0.5)
         side = elapsed(self._clip.scans, day, self._clip.time_unit)
