@@ -101,8 +101,7 @@ def _corrections(scene: Scene) -> Scene:
                     scene = replace(scene, edits=edits.changed(kept))
             imgui.same_line()
             imgui.text_unformatted(fitted(sentence(one), imgui.get_content_region_avail().x))
-            if imgui.is_item_hovered():
-                imgui.set_tooltip(", ".join(place.scan for place in one.places))
+            imgui.set_item_tooltip(", ".join(place.scan for place in one.places))
         if edits and not edits.is_baked:
             imgui.text_wrapped("Bake again, as before and with --force, to see it.")
     return scene
@@ -121,20 +120,16 @@ def _organs(scene: Scene) -> Scene:
 
 def _name(scene: Scene) -> Scene:
     """A field for the picked organ's name."""
-    picked, edits, table = scene.style.picked, scene.edits, scene.clip.track_table
-    if picked is None or edits is None or not scene.chosen:
+    picked = scene.style.picked
+    if picked is None or scene.edits is None or not scene.chosen:
         return scene
-    now, flags = table[picked].name, imgui.InputTextFlags_
+    now, flags = scene.clip.track_table[picked].name, imgui.InputTextFlags_
     imgui.set_next_item_width(-1.0)
     with imgui_ctx.push_id(str(picked)):
         how = flags.enter_returns_true | flags.auto_select_all
         entered, name = imgui.input_text_with_hint("##called", "name of the organ", now, how)
-    name = name.strip()
-    if not entered or name in ("", now):
-        return scene
-    if any(track.name == name for track in table):
-        return scene.with_notice(f"Another organ is called {name}; choose another name.")
-    return actions.correct(scene, "name", name)
+    is_new = entered and name.strip() not in ("", now)
+    return actions.correct(scene, "name", name.strip()) if is_new else scene
 
 
 def _organ(scene: Scene, number: int) -> Scene:

@@ -275,10 +275,4 @@ def test_an_organ_is_named_in_the_panel(context: moderngl.Context) -> None:
     assert not desk.gui.writes
     assert desk.scene.edits is not None
     assert desk.scene.edits.now == (Correction("name", (place,), "Flag"),)
-    desk.click("##called")
-    for key in (*desk.clip.track_table[0].name, "enter"):
-        desk.gui.type(key)
-        desk.draw(3)
-    assert len(desk.scene.edits.now) == 1
-    assert "Another organ is called" in desk.scene.notice
     desk.release()
