@@ -112,7 +112,7 @@ def _draw_times(
     frame's passes, one by one.
     """
     renderer, framebuffer = Renderer(context, clip), context.simple_framebuffer(size)
-    camera = Camera.fit(clip.bounds, aspect=size[0] / size[1])
+    camera = Camera.home(clip, size[0] / size[1], turning=True)
     renderer.draw(framebuffer, 0.5, camera, Style(), size)
 
     def rasterise(backend: RasterBackend) -> None:

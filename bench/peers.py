@@ -43,7 +43,7 @@ class Plant:
         low, step = np.float32(interval.box.low), interval.box.step.astype(np.float32)
         self.curve = [low + step * points.astype(np.float32) for points in interval.curve]
         self.colors = self.clip.palette[interval.tracks]
-        camera = Camera.fit(self.clip.bounds, aspect=size[0] / size[1])
+        camera = Camera.home(self.clip, size[0] / size[1], turning=True)
         self.target, self.eye = np.asarray(camera.target), camera.eye
         self.pose = np.linalg.inv(camera.view())
         self.distance = camera.distance

@@ -71,13 +71,8 @@ def free_name(stem: str, example: str, folder: Path | None = None) -> Path:
     """
     folder, pattern = folder or Path(), Path(example)
     stem = re.sub(r"[^\w.-]+", "-", stem).strip("-.")[:100] or "plant"
-    for number in count(1):
-        name = stem if number == 1 else f"{stem}-{number}"
-        if pattern.parent != Path():
-            path = folder / f"{name}-{pattern.parent.name}" / pattern.name
-            taken = path.parent
-        else:
-            path = taken = folder / f"{name}{pattern.suffix}"
-        if not taken.exists():
-            return path
-    raise AssertionError("numbers do not end")
+    names = (stem if number == 1 else f"{stem}-{number}" for number in count(1))
+    has_folder = pattern.parent != Path()
+    ending = f"-{pattern.parent.name}" if has_folder else pattern.suffix
+    free = next(path for name in names if not (path := folder / f"{name}{ending}").exists())
+    return free / pattern.name if has_folder else free

@@ -83,12 +83,7 @@ def play_command(
     fps: Annotated[int, _option("N", "Frames a second.", min=1, max=240)] = 30,
     seconds: Annotated[
         float | None,
-        _option(
-            "S",
-            "Length of the film in seconds; 1.5 from scan to scan by default.",
-            min=0,
-            max=36000,
-        ),
+        _option("S", "Length in seconds; 1.5 from scan to scan by default.", min=0, max=36000),
     ] = None,
     every: Annotated[
         float | None, _option("T", "A frame of a film, or rows of a table, every T days.")
@@ -194,9 +189,8 @@ def play_command(
         for line in info_lines(gclip.open(clip), clip):
             typer.echo(printable(line, MAX_LETTERS))
     else:
-        chosen = None if size is None else _size(size)
-        options = player.window.LaunchOptions(chosen, ground, turning, path, kiosk, profile)
-        player.window.start(files, style, options)
+        look = style, _size(size) if size else None, ground, turning, path
+        player.window.start(files, *look, kiosk=kiosk, profile=profile)
 
 
 def _check_baked(file: Path) -> None:
@@ -250,13 +244,10 @@ def _check_numbers(every: float | None, seconds: float | None, **others: float) 
 
 def _size(text: str) -> tuple[int, int]:
     found = re.fullmatch(r"(\d{1,6})[xX×](\d{1,6})", text)
-    if not found:
-        raise PlayerError(
-            f'--size is "{text}"; width x height in pixels, like 1280x720, is needed.'
-        )
-    width, height = int(found[1]), int(found[2])
+    width, height = (int(found[1]), int(found[2])) if found else (0, 0)
     if not (16 <= width <= LARGEST and 16 <= height <= LARGEST):
-        raise PlayerError(f"--size is {width}x{height}; each side is 16 to {LARGEST} pixels.")
+        wanted = f"width x height in pixels, like 1280x720, each from 16 to {LARGEST}"
+        raise PlayerError(f'--size is "{text}"; {wanted}, is needed.')
     return width, height
 
 

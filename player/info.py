@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gclip import Clip, HeldOutScan, ScanMark
+    from gclip import Clip, HeldOutScan, Interval, ScanMark, Track
 
 FOR_PROGRAMS = {"transforms", "origins"}  # matrices of provenance
 INTERVALS = ("from", "to", "born", "lost", "degree", "positions", "movers")
@@ -33,12 +33,12 @@ def info_lines(clip: Clip, path: Path) -> Iterator[str]:
         f"colours {colors}"
     )
     scans = ("scan", "date", clip.time_unit, "points")
-    yield from _table("Scans", scans, (_scan(s, first.time, s.points) for s in clip.scans))
+    yield from _table("Scans", scans, *(_scan(s, first.time, s.points) for s in clip.scans))
     if clip.held_out:
-        held = [_scan(s, first.time, len(s.positions)) for s in clip.held_out]
-        yield from _table("Scans left out, to compare with", scans, held)
-    yield from _table("Intervals", INTERVALS, _intervals(clip))
-    yield from _table("Tracks", TRACKS, _tracks(clip))
+        held = (_scan(s, first.time, len(s.positions)) for s in clip.held_out)
+        yield from _table("Scans left out, to compare with", scans, *held)
+    yield from _table("Intervals", INTERVALS, *(_interval(clip, one) for one in clip.intervals))
+    yield from _table("Tracks", TRACKS, *(_track(clip, one) for one in clip.track_table))
     yield ""
     for key, value in sorted(clip.provenance.items()):
         if key == "verdict" and isinstance(value, dict):
@@ -54,30 +54,28 @@ def _scan(scan: ScanMark | HeldOutScan, first: float, points: int) -> Row:
     return scan.name, scan.date, f"{scan.time - first:g}", f"{points:,}"
 
 
-def _intervals(clip: Clip) -> Iterator[Row]:
-    for interval in clip.intervals:
-        events = [segment.event for segment in interval.segments]
-        yield (
-            _date(clip, interval.start),
-            _date(clip, interval.end),
-            str(events.count("birth")) if events else "–",
-            str(events.count("loss")) if events else "–",
-            str(interval.degree),
-            "float32" if interval.box is None else "16 bit",
-            f"{len(interval):,}",
-        )
+def _interval(clip: Clip, interval: Interval) -> Row:
+    events = [segment.event for segment in interval.segments]
+    return (
+        _date(clip, interval.start),
+        _date(clip, interval.end),
+        str(events.count("birth")) if events else "–",
+        str(events.count("loss")) if events else "–",
+        str(interval.degree),
+        "float32" if interval.box is None else "16 bit",
+        f"{len(interval):,}",
+    )
 
 
-def _tracks(clip: Clip) -> Iterator[Row]:
-    for track in clip.track_table:
-        yield (
-            track.name,
-            track.kind,
-            "" if track.parent is None else clip.track_table[track.parent].name,
-            "#{:02x}{:02x}{:02x}".format(*track.color),
-            _date(clip, track.born),
-            "" if track.lost is None else _date(clip, track.lost),
-        )
+def _track(clip: Clip, track: Track) -> Row:
+    return (
+        track.name,
+        track.kind,
+        "" if track.parent is None else clip.track_table[track.parent].name,
+        "#{:02x}{:02x}{:02x}".format(*track.color),
+        _date(clip, track.born),
+        "" if track.lost is None else _date(clip, track.lost),
+    )
 
 
 def _date(clip: Clip, time: float) -> str:
@@ -93,9 +91,8 @@ def _short(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value)
 
 
-def _table(title: str, names: Row, rows: Iterable[Row]) -> Iterator[str]:
+def _table(title: str, *rows: Row) -> Iterator[str]:
     """A title and columns of text."""
-    rows = [names, *rows]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     yield from ("", title)
     for row in rows:

@@ -11,16 +11,18 @@ from numpy.typing import NDArray
 from gclip import Clip
 from player.errors import PlayerError
 from player.view.annotations import (
+    BOLD,
+    REGULAR,
     RGB,
     draw_date,
     draw_organs,
     draw_ramp,
     draw_scale_bar,
     draw_title,
+    font_file,
 )
 from player.view.camera import Camera
-from player.view.colors import ValueRange, resolved_color_mode
-from player.view.fonts import BOLD, REGULAR, font_file
+from player.view.colors import ValueRange
 from player.view.style import GROUNDS
 
 if TYPE_CHECKING:
@@ -33,7 +35,7 @@ MIN_UNIT = 0.6  # pixels: the small text is then 9 of them high
 
 def check(film: Film, clip: Clip) -> None:
     """Raise PlayerError for a legend of colours that mean nothing: the scans' own."""
-    if film.annotations.legend and resolved_color_mode(clip, film.style) == "scan":
+    if film.annotations.legend and film.style.color_mode(clip) == "scan":
         raise PlayerError(
             "--legend explains colours of organs and values, not the scans' own; "
             "add --color track, age, speed, height or error, or leave it out."

@@ -84,8 +84,5 @@ def draw_progress(pen: Pen, export: Exporting, bottom: float) -> None:
     """How far an export has come, in the middle above the timeline."""
     width = min(PROGRESS_WIDTH, pen.size[0] - 2 * pen.insets[0])
     with card("export", (pen.size[0] / 2, pen.size[1] - bottom - 20.0), (0.5, 1.0), pen.size[0]):
-        imgui.text_unformatted(fitted(export.name, width - 90.0))
-        imgui.same_line(width - 60.0)
-        imgui.text_disabled("E stops it")
-        share = export.done / export.total if export.total else 0.0
-        imgui.progress_bar(share, (width, 6.0), "")
+        text = f"{fitted(export.name, width - 100.0)}: E stops it"
+        imgui.progress_bar(export.done / max(export.total, 1), (width, 0.0), text)

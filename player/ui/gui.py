@@ -11,7 +11,7 @@ import moderngl
 from imgui_bundle import imgui
 
 from player.ui.theme import DARK, Theme, dress
-from player.view.fonts import BOLD, ICONS, REGULAR, font_file
+from player.view.annotations import BOLD, ICONS, REGULAR, font_file
 
 STILL = 4.0  # units that the mouse may move between press and release of a click
 NOWHERE = (-1e6, -1e6)  # the mouse, while it is outside the window
@@ -34,6 +34,7 @@ class Gui:
         io.set_ini_filename("")
         io.set_log_filename("")
         io.mouse_drag_threshold = STILL
+        io.config_flags |= imgui.ConfigFlags_.nav_enable_keyboard  # Esc closes lists
         merged = imgui.ImFontConfig()
         merged.merge_mode = True
         merged.glyph_offset = imgui.ImVec2(0.0, 1.0)

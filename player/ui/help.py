@@ -7,19 +7,17 @@ from imgui_bundle import imgui, imgui_ctx
 from player.ui import keys
 from player.ui.gui import Gui
 from player.ui.theme import faint, packed
-from player.ui.widgets import BARE
+from player.ui.widgets import BARE, bare_window
 from player.view.state import Scene
 
-COLUMNS = (("Time", "Organs"), ("View", "Compare"), ("Look", "Window"))
+COLUMNS = (("Time", "Organs"), ("View", "Corrections", "Compare"), ("Look", "Export", "Window"))
 WIDE = 1090.0  # width of a window that has room for all columns side by side
 BETWEEN, PADDING, EDGE = 36.0, 24.0, 12.0  # columns; about them; from the window's edge
 
 
 def draw_help(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
     """Over everything in a window of `size` units; it scrolls if need be, and a click closes it."""
-    imgui.set_next_window_pos((0.0, 0.0))
-    imgui.set_next_window_size(size)
-    with imgui_ctx.begin("shade", None, BARE):
+    with bare_window("shade", (0.0, 0.0), size):
         shade = packed(faint(gui.theme.veil, 0.7))
         imgui.get_window_draw_list().add_rect_filled((0.0, 0.0), size, shade)
     largest = size[0] - 2 * EDGE, size[1] - 2 * EDGE

@@ -29,15 +29,15 @@ TOP, BOTTOM = 80.0, 124.0  # heights of the strips that hold title and buttons, 
 CAPTION = 36.0  # of the one that tells what is compared
 CONTROLS = 84.0  # height of what the mouse can hold in the lower one
 BUTTON, PLAY, GAP, SPEED = 32.0, 44.0, 4.0, 40.0
-# In smaller windows buttons are left out that keys do as well, and annotations.
-ROOMY = (520.0, 420.0)
+TITLE = 150.0  # width that the title keeps beside the buttons
+ROOMY = (520.0, 420.0)  # smaller windows lack buttons that keys do as well, and annotations
 WIPE_REACH = 9.0  # how far from the wipe's line the mouse still takes hold of it
-NOTICE_SIZE = 15.0
 
-TOOLS = (
-    "color", "smaller", "larger", "ground", "turn", "fit", "picture", "fullscreen", "panel", "help",
+TOOLS = (  # the last ones, as many as there is room for
+    "smaller", "larger", "turn", "picture", "fullscreen", "ground", "color", "fit", "panel", "help",
 )  # fmt: skip
-FEW_TOOLS = ("color", "ground", "fit", "panel", "help")
+BEFORE, AFTER = ("previous", "play", "next"), ("slower", "faster", "at end")  # the timeline
+WIDTHS = {"play": PLAY, "slower": BUTTON + SPEED}  # other than BUTTON's
 # Font Awesome 6, by the name of the action that the button does.
 ICONS = {
     "previous": "\uf048",
@@ -87,7 +87,8 @@ class Interface:
         shown, self.organs.measuring = scene, False
         self._gui.begin(size, scale, theme_of(scene.style.ground))
         area = (size[0] - panel_width(scene, size[0]), size[1])
-        margin, below = _margin(area), BOTTOM + strip_height(scene, area[1])
+        margin = 24.0 if area[0] >= ROOMY[0] else 14.0
+        below = BOTTOM + strip_height(scene, area[1])
         below += CAPTION if len(panes) > 1 else 0.0
         insets = (margin, TOP - 8.0, margin, below)
         pen = Pen(self._gui, imgui.get_background_draw_list(), area, insets)
@@ -114,48 +115,37 @@ class Interface:
 
     def _draw_title(self, pen: Pen, scene: Scene) -> Scene:
         """The clip's name, and the buttons beside it."""
-        theme, margin = pen.theme, _margin(pen.size)
-        tools = TOOLS if pen.size[0] >= ROOMY[0] else FEW_TOOLS
-        width = len(tools) * (BUTTON + GAP) - GAP
-        room = pen.size[0] - width - 2 * margin - 12.0
+        theme, margin = pen.theme, pen.insets[0]
+        room = int((pen.size[0] - 2 * margin - TITLE) / (BUTTON + GAP))
+        tools = TOOLS[-max(room, 1) :]
+        left = pen.size[0] - margin - _width(tools)
         with imgui_ctx.push_font(pen.bold, 20.0):
-            name = fitted(self._name, room)
+            name = fitted(self._name, left - margin - 12.0)
         pen.write(margin, margin + 9.0, name, 20.0, theme.text, bold=True)
         scans, organs = len(scene.clip.scans), len(scene.clip.track_table)
-        text = fitted(f"{scans} scans, {organs} organs", room)
+        text = fitted(f"{scans} scans, {organs} organs", left - margin - 12.0)
         pen.write(margin, margin + 31.0, text, 15.0, theme.muted)
-        with bare_window("tools", (pen.size[0] - margin - width, margin), (width, BUTTON)):
-            for name in tools:
-                scene = _icon_button(scene, name)
-                imgui.same_line(0.0, GAP)
-        return scene
+        with bare_window("tools", (left, margin), (_width(tools), BUTTON)):
+            return _row(scene, tools, left, margin + BUTTON / 2)
 
     def _draw_controls(self, pen: Pen, scene: Scene) -> Scene:
         """The timeline, and the buttons at both of its ends."""
-        (width, height), margin = pen.size, _margin(pen.size)
-        roomy, middle = width >= ROOMY[0], CONTROLS - 50.0  # of the line, from the window's top
+        (width, height), margin, picked = pen.size, pen.insets[0], scene.style.picked
+        roomy, middle = width >= ROOMY[0], height - 50.0  # of the timeline's line
+        before, after = (BEFORE, AFTER) if roomy else (("play",), ("at end",))
+        right = width - margin - _width(after)
         with bare_window("controls", (0.0, height - CONTROLS), (width, CONTROLS)):
-            x = margin
-            for name in ("previous", "play", "next") if roomy else ("play",):
-                side = PLAY if name == "play" else BUTTON
-                imgui.set_cursor_pos((x, middle - side / 2))
-                scene = (_play_button if name == "play" else _icon_button)(scene, name)
-                x += side + GAP
-            right = width - margin
-            for name in ("at end", "faster", "slower") if roomy else ("at end",):
-                right -= BUTTON + (SPEED if name == "slower" else 0.0)
-                imgui.set_cursor_pos((right, middle - BUTTON / 2))
-                scene = _icon_button(scene, name)
-            ends = x - GAP + margin, right - margin
-            picked = scene.style.picked
+            scene = _row(scene, before, margin, middle)
+            scene = _row(scene, after, right, middle)
+            ends = 2 * margin + _width(before), right - margin
             if picked is not None and strip_height(scene, height):
                 curves = self.organs.curves(picked)
                 scene = draw_curve(pen, scene, curves, ends, height - BOTTOM)
-            scene = self.timeline.draw(pen, scene, ends, 8.0 if roomy else x)
+            scene = self.timeline.draw(pen, scene, ends)
         if roomy:
-            speed, x = scene.timeline.speed, right + BUTTON + SPEED / 2
+            speed, x = scene.timeline.speed, right + BUTTON + (GAP + SPEED) / 2
             text = SPEEDS.get(speed, f"{speed:.0f}×")
-            pen.write(x, height - 50.0, text, 17.0, pen.theme.text, True, 0.5)
+            pen.write(x, middle, text, 17.0, pen.theme.text, True, 0.5)
             self.timeline.draw_key(pen, right + 16.0, height - 25.0)
         return scene
 
@@ -173,7 +163,7 @@ class Interface:
 
     def _draw_kiosk(self, pen: Pen, scene: Scene) -> None:
         """The date, and nothing that could be pressed."""
-        x, y = _margin(pen.size) + 8.0, pen.size[1] - _margin(pen.size) - 16.0
+        x, y = pen.insets[0] + 8.0, pen.size[1] - pen.insets[0] - 16.0
         date = date_at(scene.clip.scans, scene.timeline.day)
         pen.write(x, y, date, 26.0, pen.theme.text, bold=True)
         pen.write(x, y - 32.0, self._name, 17.0, pen.theme.muted)
@@ -210,19 +200,27 @@ def _draw_notice(notice: str, area: tuple[float, float]) -> None:
         imgui.pop_text_wrap_pos()
 
 
-def _play_button(scene: Scene, name: str) -> Scene:
-    """A large round one."""
+def _width(names: Sequence[str]) -> float:
+    """Of a row of buttons."""
+    return sum(WIDTHS.get(name, BUTTON) + GAP for name in names) - GAP
+
+
+def _row(scene: Scene, names: Sequence[str], left: float, middle: float) -> Scene:
+    """Icon buttons in a row about a height, a large round one among them."""
     colors, part = imgui.get_style_color_vec4, imgui.Col_
-    with (
-        imgui_ctx.push_style_var(imgui.StyleVar_.frame_rounding, PLAY / 2),
-        imgui_ctx.push_style_color(part.button, colors(part.check_mark)),
-        imgui_ctx.push_style_color(part.text, colors(part.window_bg)),
-    ):
-        return button(scene, name, _icon(name, scene), (PLAY, PLAY))
-
-
-def _icon_button(scene: Scene, name: str) -> Scene:
-    return button(scene, name, _icon(name, scene), (BUTTON, BUTTON))
+    for name in names:
+        large = name == "play"
+        side, rounding = (PLAY, PLAY / 2) if large else (BUTTON, imgui.get_style().frame_rounding)
+        paint = (part.check_mark, part.window_bg) if large else (part.button, part.text)
+        imgui.set_cursor_screen_pos((left, middle - side / 2))
+        with (
+            imgui_ctx.push_style_var(imgui.StyleVar_.frame_rounding, rounding),
+            imgui_ctx.push_style_color(part.button, colors(paint[0])),
+            imgui_ctx.push_style_color(part.text, colors(paint[1])),
+        ):
+            scene = button(scene, name, _icon(name, scene), (side, side))
+        left += WIDTHS.get(name, BUTTON) + GAP
+    return scene
 
 
 def _icon(name: str, scene: Scene) -> str:
@@ -234,7 +232,3 @@ def _icon(name: str, scene: Scene) -> str:
         "ground": "\uf185" if scene.style.ground == "dark" else "\uf186",
         "fullscreen": "\uf066" if scene.fullscreen else "\uf065",
     }[name]
-
-
-def _margin(size: tuple[float, float]) -> float:
-    return 24.0 if size[0] >= ROOMY[0] else 14.0

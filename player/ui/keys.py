@@ -1,4 +1,5 @@
-"""The one table of keys and mouse actions: it drives the handling, the help overlay and `--help`.
+"""The one table of keys and mouse actions: the handling, the help overlay, `--help`, the buttons
+and the panel are made from it.
 
 A key is named as GLFW does, in lower case ("space", "page_up", "f11"), or by the character typed
 ("?", "+"), which is right on every keyboard layout; "shift+left" asks for the modifier.
@@ -13,6 +14,7 @@ from operator import attrgetter
 from typing import TYPE_CHECKING
 
 from player.ui import actions
+from player.ui.actions import Choice
 from player.view.choices import Wish
 from player.view.playback import Timeline
 
@@ -20,10 +22,12 @@ if TYPE_CHECKING:
     from player.view.state import Scene
 
 NUDGE = 0.01  # share of the series that an arrow key goes on
+FRAMES = 30  # a second, of the steps from frame to frame
 STEP = 1.15  # factor of point sizes
 PIXELS = 3.0  # diameter of points that begin to be sized so
 WIPE_STEP = 0.05  # share of the width
 RANGE, SIDES = "play from, up to here", "front, side, back, top"
+KEYS = "add, remove a camera key"
 WIPED = "move the wipe"
 # What the mouse does (mouse.py), as the help tells it beside the keys.
 MOUSE = {
@@ -59,6 +63,7 @@ class Action:
     do: Callable[[Scene], Scene]
     repeats: bool = False  #: goes on while the key is held
     on: Callable[[Scene], bool] | None = None  #: whether it is on, if it turns something on and off
+    choice: Choice | None = None  #: the values that it goes through, if it does
 
     @property
     def labels(self) -> tuple[str, ...]:
@@ -96,9 +101,9 @@ def _switch(name: str, keys: str, help: str, field: str) -> Action:
     return Action(name, keys, help, lambda scene: scene.changed(field, not value(scene)), on=value)
 
 
-def _wish(name: str, key: str, help: str, wish: Wish) -> Action:
-    """What the window does when it draws the next picture."""
-    return Action(name, key, help, lambda scene: replace(scene, wish=wish))
+def _choose(name: str, key: str, help: str, choice: Choice) -> Action:
+    """What goes on to the next of several values."""
+    return Action(name, key, help, choice.next, choice=choice)
 
 
 TABLE: dict[str, tuple[Action, ...]] = {
@@ -106,11 +111,13 @@ TABLE: dict[str, tuple[Action, ...]] = {
         Action("play", "space", "play, pause", _time(Timeline.toggled)),
         *_pair(
             ("back", "on"), ("left", "right"), "back, on a little",
-            lambda s, sign: s.with_timeline(lambda t: t.nudged(sign * NUDGE)), True,
+            lambda s, sign: s.with_timeline(lambda t: t.moved(sign * NUDGE * (t.last - t.first))),
+            True,
         ),
         *_pair(
             ("frame back", "frame on"), (",", "."), "one frame back, on",
-            lambda s, sign: s.with_timeline(lambda t: t.framed(sign)), True,
+            lambda s, sign: s.with_timeline(lambda t: t.moved(sign * t.days_per_second / FRAMES)),
+            True,
         ),
         *_pair(
             ("previous", "next"), ("page_up shift+left", "page_down shift+right"),
@@ -122,46 +129,41 @@ TABLE: dict[str, tuple[Action, ...]] = {
         ),
         *_pair(
             ("slower", "faster"), ("[ down", "] up"), "slower, faster",
-            lambda s, sign: s.with_timeline(Timeline.slower if sign < 0 else Timeline.faster),
+            lambda s, sign: s.with_timeline(lambda t: t.faster(sign)),
         ),
-        Action("at end", "l", "loop, back and forth, or stop", actions.AT_END.next),
+        _choose("at end", "l", "loop, back and forth, or stop", actions.AT_END),
         Action("begin", "i", RANGE, _time(Timeline.begun_here, "Plays from here")),
         Action("end", "o", RANGE, _time(Timeline.ended_here, "Plays up to here")),
-        Action(
-            "whole", "u", "play the whole series",
-            _time(Timeline.unbounded, "Plays the whole series"),
-        ),
+        Action("whole", "u", "play the whole series", _time(Timeline.unbounded, "Plays all of it")),
     ),
     "View": (
-        Action("fit", "f", "whole plant", actions.go_home),
         Action("front", "1", SIDES, lambda s: actions.look_from(s, 0)),
         Action("side", "2", SIDES, lambda s: actions.look_from(s, 90)),
         Action("behind", "3", SIDES, lambda s: actions.look_from(s, 180)),
         Action("above", "4", SIDES, lambda s: actions.look_from(s, 0, 90)),
+        Action("fit", "f", "whole plant", actions.go_home),
         Action(
             "parallel", "5", "parallel projection",
             lambda s: s.with_camera(lambda c: c.with_orthographic(not c.orthographic)),
             on=lambda s: s.camera.orthographic,
         ),
-        Action(
-            "turn", "t", "go round the plant",
-            lambda s: replace(s, turning=not s.turning, following=False), on=lambda s: s.turning,
-        ),
-        Action("add key", "k", "add, remove a camera key", actions.add_key),
-        Action("drop key", "shift+k", "add, remove a camera key", actions.remove_key),
+        _switch("turn", "t", "go round the plant", "turning"),
         Action(
             "follow", "j", "follow the camera's path", actions.follow_path,
             on=lambda s: s.following,
         ),
+        Action("add key", "k", KEYS, actions.add_key),
+        Action("drop key", "shift+k", KEYS, actions.remove_key),
         Action("save path", "shift+j", "save the camera's path", actions.save_path),
     ),
     "Look": (
-        Action("color", "c", "colour by something else", actions.COLOR.next),
-        Action("colormap", "shift+m", "other colours of values", actions.COLOR_MAP.next),
+        _choose("color", "c", "colour by something else", actions.COLOR),
+        _choose("colormap", "shift+m", "other colours of values", actions.COLOR_MAP),
         *_pair(
             ("smaller", "larger"), ("-", "+ ="), "smaller, larger points",
             lambda s, sign: actions.resize_points(s, STEP**sign), True,
         ),
+        _choose("shading", "m", "shading: none, soft, strong", actions.SHADING),
         Action(
             "pixels", "p", "points sized in pixels",
             lambda s: s.with_style(pixels=PIXELS if s.style.pixels is None else None),
@@ -174,25 +176,26 @@ TABLE: dict[str, tuple[Action, ...]] = {
         ),
         _switch("floor", "b", "floor and shadow", "style.show_ground"),
         _switch("depth", "d", "depth cue", "style.depth_cue"),
-        Action("shading", "m", "shading: none, soft, strong", actions.SHADING.next),
         _switch("guides", "a", "scale bar and axes", "guides"),
         _switch("legend", "y", "legend", "legend"),
     ),
     "Organs": (
         *_pair(
             ("last organ", "next organ"), ("shift+n", "n"), "previous, next organ",
-            actions.pick_next,
+            actions.pick_next, True,
         ),
         Action("hide", "x", "hide the organ", actions.hide_picked),
-        Action("curve", "shift+l", "plot another trait", actions.CURVE.next),
-        Action(
-            "alone", "z", "show the organ alone", actions.isolate_picked,
-            on=lambda s: s.style.alone is not None,
-        ),
         Action(
             "show all", "shift+x", "show all organs",
             lambda s: s.with_style(hidden=frozenset(), alone=None),
         ),
+        Action(
+            "alone", "z", "show the organ alone", actions.isolate_picked,
+            on=lambda s: s.style.alone is not None,
+        ),
+        _choose("curve", "shift+l", "plot another trait", actions.CURVE),
+    ),
+    "Corrections": (
         Action("same", "w", "two organs are the same", lambda s: actions.correct(s, "same")),
         Action(
             "different", "shift+w", "two organs are not the same",
@@ -205,18 +208,20 @@ TABLE: dict[str, tuple[Action, ...]] = {
         ),
     ),
     "Compare": (
-        Action("compare", "v", "with the nearest scan", actions.COMPARE.next),
+        _choose("compare", "v", "with the nearest scan", actions.COMPARE),
         *_pair(
             ("wipe left", "wipe right"), ("<", ">"), WIPED,
             lambda s, sign: actions.wipe_to(s, s.wipe + sign * WIPE_STEP), True,
         ),
     ),
-    "Window": (
-        _wish("picture", "s", "save a picture", Wish.PICTURE),
-        _wish("export", "e", "export, or stop exporting", Wish.EXPORT),
-        Action("format", "shift+e", "choose what to export", actions.FORMAT.next),
-        Action("size", "r", "size of pictures", actions.SIZE.next),
+    "Export": (
+        _choose("format", "shift+e", "choose what to export", actions.FORMAT),
+        _choose("size", "r", "size of pictures", actions.SIZE),
         _switch("transparent", "shift+s", "pictures without background", "output.transparent"),
+        Action("export", "e", "export, or stop exporting", lambda s: replace(s, wish=Wish.EXPORT)),
+        Action("picture", "s", "save a picture", lambda s: replace(s, wish=Wish.PICTURE)),
+    ),
+    "Window": (
         _switch("panel", "tab", "panel", "panel"),
         _switch("fullscreen", "f11", "full screen", "fullscreen"),
         _switch("help", "h ? f1", "this help", "help"),

@@ -1,15 +1,13 @@
-"""The panel at the window's right: every choice in sight, and each of them has a key as well."""
+"""The panel at the window's right: every choice in sight, and its key in a tip."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 
 from imgui_bundle import imgui, imgui_ctx
 
-from player.export.formats import FORMATS
 from player.ui import actions, keys
 from player.ui.actions import Choice
 from player.ui.gui import Gui
+from player.ui.keys import Action
 from player.ui.pen import fitted
 from player.ui.theme import CLEAR, PADDING, rgb
 from player.ui.widgets import button, tip
@@ -21,9 +19,10 @@ from player.view.style import ColorMode
 WIDTH = 272.0
 LEAST_BESIDE = 300.0  # what it leaves to the plant
 LEAST_HEIGHT = 200.0  # below which it takes the whole window's
-SMALL = 13.5  # size of keys and of notes
-LABEL, VALUE, EYE = 74.0, 46.0, 26.0  # widths
-LARGEST_SIZE, STRONGEST = 5.0, 2.0  # of points and of the shading, at the sliders' ends
+SMALL = 13.5  # size of notes
+LABEL, EYE = 80.0, 26.0  # widths
+POINT_SIZES, STRONGEST = (0.2, 5.0), 2.0  # of points and of the shading, at the sliders' ends
+SLIDERS = {"larger": "Points", "shading": "Shading"}  # in place of the actions
 DOT, SEEN, HIDDEN, REMOVE = "\uf111", "\uf06e", "\uf070", "\uf00d"  # icons
 HOW = "Click an organ, on another day or beside it one more with Shift held."
 
@@ -61,47 +60,32 @@ def draw_panel(
             with imgui_ctx.push_font(gui.bold, 15.0):
                 shown = imgui.collapsing_header(title)
             if shown:
-                scene = section(scene)
+                imgui.push_item_width(-LABEL)
+                scene = _controls(scene, title)
+                imgui.pop_item_width()
+                scene = section(scene) if section else scene
     return scene
 
 
-def _look(scene: Scene) -> Scene:
-    scene = _choice(scene, actions.COLOR, "color")
-    if scene.color_mode is ColorMode.FIELD and len(scene.clip.fields) > 1:
-        scene = _choice(scene, actions.FIELD, "color")
-    if scene.color_mode.colormap:
-        scene = _choice(scene, actions.COLOR_MAP, "colormap")
-    style = scene.style
-    if style.pixels is None:
-        limits, text = (1 / LARGEST_SIZE, LARGEST_SIZE), f"{style.point_size:.0%}"
-        scene = _slider(scene, "Points", "point_size", limits, "larger", text)
-    else:
-        limits, text = (actions.FEWEST, actions.MOST), f"{style.pixels:.1f} px"
-        scene = _slider(scene, "Points", "pixels", limits, "larger", text)
-    text = f"{style.eye_dome:.0%}"
-    scene = _slider(scene, "Shading", "eye_dome", (0.0, STRONGEST), "shading", text)
-    return _switches(scene, "pixels", "ground", "floor", "depth", "guides", "legend")
-
-
-def _view(scene: Scene) -> Scene:
-    scene = _buttons(scene, {"front": "Front", "side": "Side", "behind": "Back", "above": "Top"})
-    scene = _buttons(scene, {"fit": "Whole plant"})
-    scene = _switches(scene, "parallel", "turn", "follow")
-    return _buttons(scene, {"add key": "Add key", "drop key": "Remove", "save path": "Save"})
-
-
-def _compare(scene: Scene) -> Scene:
-    return _choice(scene, actions.COMPARE, "compare")
-
-
-def _export(scene: Scene) -> Scene:
-    scene = _choice(scene, actions.FORMAT, "format")
-    if next(one for one in FORMATS if one.example == scene.output.example).picture:
-        scene = _choice(scene, actions.SIZE, "size")
-    if scene.output.example.endswith(".png"):
-        scene = _switches(scene, "transparent")
-    export = "Stop" if scene.exporting else "Export"
-    return _buttons(scene, {"export": export, "picture": "Picture"})
+def _controls(scene: Scene, section: str) -> Scene:
+    """A section's actions as sliders, lists, checkboxes, and buttons in rows."""
+    right, in_row = imgui.get_cursor_screen_pos().x + imgui.get_content_region_avail().x, False
+    for action in keys.TABLE[section]:
+        label, is_button = action.name.capitalize(), False
+        if action.name in SLIDERS:
+            scene = _slider(scene, action.name)
+        elif action.choice:
+            scene = _choice(scene, action.choice, action.name)
+        elif action.on:
+            scene = _switch(scene, action)
+        elif not action.repeats:  # what repeats is for keys alone
+            if in_row and imgui.get_item_rect_max().x + _wide(label) <= right:
+                imgui.same_line()
+            scene, is_button = button(scene, action.name, label), True
+        in_row = is_button
+        if action.name == "color" and scene.color_mode is ColorMode.FIELD:
+            scene = _choice(scene, actions.FIELD, action.name)
+    return scene
 
 
 def _corrections(scene: Scene) -> Scene:
@@ -110,8 +94,6 @@ def _corrections(scene: Scene) -> Scene:
     with imgui_ctx.push_font(None, SMALL):
         for line in [f"{place.organ} in {place.scan}" for place in scene.chosen] or [HOW]:
             imgui.text_wrapped(line)
-    scene = _buttons(scene, {"same": "Same", "different": "Not same", "cut": "Cut"})
-    with imgui_ctx.push_font(None, SMALL):
         for row, one in enumerate(edits.now if edits else ()):
             with imgui_ctx.push_id(str(row)):
                 if _icon(REMOVE) and edits:
@@ -119,15 +101,13 @@ def _corrections(scene: Scene) -> Scene:
                     scene = replace(scene, edits=edits.changed(kept))
             imgui.same_line()
             imgui.text_unformatted(fitted(sentence(one), imgui.get_content_region_avail().x))
-            if imgui.is_item_hovered():
-                imgui.set_tooltip(", ".join(place.scan for place in one.places))
+            imgui.set_item_tooltip(", ".join(place.scan for place in one.places))
         if edits and not edits.is_baked:
             imgui.text_wrapped("Bake again, as before and with --force, to see it.")
     return scene
 
 
 def _organs(scene: Scene) -> Scene:
-    scene = _buttons(scene, {"hide": "Hide", "alone": "Alone", "show all": "Show all"})
     scene = _name(scene)
     clipper = imgui.ListClipper()
     clipper.begin(len(scene.clip.track_table))
@@ -140,20 +120,16 @@ def _organs(scene: Scene) -> Scene:
 
 def _name(scene: Scene) -> Scene:
     """A field for the picked organ's name."""
-    picked, edits, table = scene.style.picked, scene.edits, scene.clip.track_table
-    if picked is None or edits is None or not scene.chosen:
+    picked = scene.style.picked
+    if picked is None or scene.edits is None or not scene.chosen:
         return scene
-    now, flags = table[picked].name, imgui.InputTextFlags_
+    now, flags = scene.clip.track_table[picked].name, imgui.InputTextFlags_
     imgui.set_next_item_width(-1.0)
     with imgui_ctx.push_id(str(picked)):
         how = flags.enter_returns_true | flags.auto_select_all
         entered, name = imgui.input_text_with_hint("##called", "name of the organ", now, how)
-    name = name.strip()
-    if not entered or name in ("", now):
-        return scene
-    if any(track.name == name for track in table):
-        return scene.with_notice(f"Another organ is called {name}; choose another name.")
-    return actions.correct(scene, "name", name)
+    is_new = entered and name.strip() not in ("", now)
+    return actions.correct(scene, "name", name.strip()) if is_new else scene
 
 
 def _organ(scene: Scene, number: int) -> Scene:
@@ -180,13 +156,19 @@ def _organ(scene: Scene, number: int) -> Scene:
 
 
 SECTIONS = {
-    "Look": _look,
-    "View": _view,
-    "Compare": _compare,
-    "Export": _export,
+    "Look": None,
+    "View": None,
+    "Compare": None,
+    "Export": None,
     "Corrections": _corrections,
     "Organs": _organs,
 }
+
+
+def _wide(label: str) -> float:
+    """The width of a button, and of the gap before it."""
+    style = imgui.get_style()
+    return imgui.calc_text_size(label).x + 2 * style.frame_padding.x + style.item_spacing.x
 
 
 def _icon(icon: str) -> bool:
@@ -195,80 +177,37 @@ def _icon(icon: str) -> bool:
         return bool(imgui.button(icon))
 
 
-@contextmanager
-def _row(label: str, action: str, kept: float = 0.0) -> Iterator[None]:
-    """A label, a control, and the key that does the same.
-
-    kept: width beside the control, for what is told of it.
-    """
-    imgui.align_text_to_frame_padding()
-    imgui.text_disabled(label)
-    imgui.same_line(PADDING + LABEL)
-    key = imgui.calc_text_size(keys.ACTIONS[action].labels[0]).x
-    imgui.set_next_item_width(-kept - 12.0 - max(key, 14.0))
-    yield
-    _key(action)
-
-
 def _choice(scene: Scene, choice: Choice, action: str) -> Scene:
     """A list to choose from."""
     now = choice.now(scene)
-    with _row(choice.label, action):
-        if imgui.begin_combo(f"##{choice.label}", choice.name(now)):
-            for value in choice.values(scene):
-                if imgui.selectable(choice.name(value), value == now)[0]:
-                    scene = choice.choose(scene, value)
-            if imgui.is_key_pressed(imgui.Key.escape):
-                imgui.close_current_popup()
-            imgui.end_combo()
-        tip(action)
+    if imgui.begin_combo(f"{choice.label}###{choice.field}", choice.name(now)):
+        for value in choice.values(scene):
+            if imgui.selectable(choice.name(value), value == now)[0]:
+                scene = choice.choose(scene, value)
+        imgui.end_combo()
+    tip(action)
     return scene
 
 
-def _slider(
-    scene: Scene, label: str, name: str, limits: tuple[float, float], action: str, text: str
-) -> Scene:
-    """A number of the style, by its name there, and beside it how it reads."""
-    flags = imgui.SliderFlags_.no_input
-    if limits[0] > 0.0:
-        flags |= imgui.SliderFlags_.logarithmic
-    with _row(label, action, VALUE):
-        value = getattr(scene.style, name)
-        changed, value = imgui.slider_float(f"##{label}", value, *limits, "", flags)
-        tip(action)
-        imgui.same_line()
-        imgui.text_unformatted(text)
-    return scene.changed(f"style.{name}", value) if changed else scene
+def _slider(scene: Scene, name: str) -> Scene:
+    """For the strength of the shading or the size of points, and in it how that reads."""
+    style, flags = scene.style, imgui.SliderFlags_
+    if name == "shading":
+        field, low, high, text = "eye_dome", 0.0, STRONGEST, f"{style.eye_dome:.0%}"
+    elif style.pixels is not None:
+        field, low, high, text = "pixels", actions.FEWEST, actions.MOST, f"{style.pixels:.1f} px"
+    else:
+        field, low, high, text = "point_size", *POINT_SIZES, f"{style.point_size:.0%}"
+    how = flags.no_input | (flags.logarithmic if low else flags.none)
+    value, format = getattr(style, field), text.replace("%", "%%")
+    changed, value = imgui.slider_float(SLIDERS[name], value, low, high, format, how)
+    tip(name)
+    return scene.changed(f"style.{field}", value) if changed else scene
 
 
-def _switches(scene: Scene, *names: str) -> Scene:
-    """Checkboxes for actions that turn something on and off."""
-    for name in names:
-        action = keys.ACTIONS[name]
-        label, on = action.help.capitalize(), bool(action.on and action.on(scene))
-        if imgui.checkbox(f"{label}###{name}", on)[0]:
-            scene = action.do(scene)
-        tip(name)
-        _key(name)
-    return scene
-
-
-def _buttons(scene: Scene, labels: dict[str, str]) -> Scene:
-    """Buttons in a row, labels by their actions."""
-    gap = imgui.get_style().item_spacing.x
-    width = (imgui.get_content_region_avail().x - gap * (len(labels) - 1)) / len(labels)
-    for action, label in labels.items():
-        scene = button(scene, action, label, (width, 0.0))
-        imgui.same_line()
-    imgui.new_line()
-    return scene
-
-
-def _key(action: str) -> None:
-    """The key that does the same, at the end of the row."""
-    imgui.same_line()
-    with imgui_ctx.push_font(None, SMALL):
-        label = keys.ACTIONS[action].labels[0]
-        left = imgui.get_content_region_avail().x - imgui.calc_text_size(label).x
-        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + left)
-        imgui.text_disabled(label)
+def _switch(scene: Scene, action: Action) -> Scene:
+    """A checkbox for what an action turns on and off."""
+    on = bool(action.on and action.on(scene))
+    changed, _ = imgui.checkbox(f"{action.help.capitalize()}###{action.name}", on)
+    tip(action.name)
+    return action.do(scene) if changed else scene

@@ -92,7 +92,8 @@ def dress(style: imgui.Style, theme: Theme) -> None:
         (theme.veil, "window_bg"),
         (theme.card, "popup_bg"),
         (CLEAR, "scrollbar_bg"),
-        (theme.accent, "check_mark slider_grab slider_grab_active plot_histogram"),
+        (theme.accent, "check_mark plot_histogram"),
+        (faint(theme.accent, 0.5), "slider_grab slider_grab_active"),
         (faint(theme.accent, 0.30), "button_active header_active"),
         (faint(theme.text, 0.09), "frame_bg button header checkbox_selected_bg"),
         (

@@ -20,7 +20,8 @@ SNAP = 4.0  # how near to a scan's mark a click means the scan itself
 LABELS_BELOW = 25.0  # from the line to the middle of the dates under it
 BUBBLE_ABOVE = 24.0  # from the line to the lower edge of the date's card
 DOT, HANDLE = 5.0, 8.0
-EVENT = 13.0  # from the line to the marks of births and losses
+EVENT, MARK = 12.0, 19.0  # from the line to the marks of births and losses; their size
+BORN, LOST, DOUBTFUL = "\uf0d8", "\uf0d7", "\uf068"  # icons
 DOUBT, DOUBT_GAP = 8.0, 11.0  # from the line to the stroke of a doubtful interval, and to its scans
 LEFT_OUT = 6.0  # half of the stroke where a scan was left out
 
@@ -85,11 +86,10 @@ class TimelineView:
         self._dates = short_dates([scan.date for scan in clip.scans])
         self.held = False
 
-    def draw(self, pen: Pen, scene: Scene, ends: tuple[float, float], least: float) -> Scene:
+    def draw(self, pen: Pen, scene: Scene, ends: tuple[float, float]) -> Scene:
         """Draw it, and give the scene as the mouse changed it.
 
-        ends:  where the line begins and ends, across the window that ImGui has begun.
-        least: the x that dates stay right of.
+        ends: where the line begins and ends, across the window that ImGui has begun.
         """
         y, others = pen.size[1] - 50.0, tuple(held.time for held in self._clip.held_out)
         line = Line(ends[0], max(ends[1], ends[0] + 1.0), y, tuple(self._clip.times), others)
@@ -104,9 +104,8 @@ class TimelineView:
         self._draw_marks(pen, line)
         for key, _ in scene.path.keys:
             pen.sheet.add_ngon_filled((line.x_of(key), y + EVENT), 4.5, packed(pen.theme.text), 4)
-        for scan, x in labels_on(
-            line, self._dates, (least, pen.size[0] - EDGE), lambda text: pen.width(text, LABEL_SIZE)
-        ):
+        edges = EDGE, pen.size[0] - EDGE
+        for scan, x in labels_on(line, self._dates, edges, lambda t: pen.width(t, LABEL_SIZE)):
             color = pen.theme.text if line.times[scan] == day else pen.theme.muted
             pen.write(x, y + LABELS_BELOW, self._dates[scan], LABEL_SIZE, color, align=0.5)
         side = elapsed(self._clip.scans, day, self._clip.time_unit)
@@ -121,20 +120,16 @@ class TimelineView:
         """What the marks mean, those that occur, as far as there is room."""
         theme, x = pen.theme, left
         born, lost = (any(counts) for counts in zip(*self._events, strict=True))
-        for occurs, side, paint, text in (
-            (born, -1.0, theme.accent, "born"),
-            (lost, 1.0, theme.loss, "lost"),
-            (bool(self._doubts), 0.0, theme.loss, "in doubt"),
+        for occurs, icon, paint, text in (
+            (born, BORN, theme.accent, "born"),
+            (lost, LOST, theme.loss, "lost"),
+            (self._doubts, DOUBTFUL, theme.loss, "in doubt"),
         ):
-            wide = pen.width(text, KEY_SIZE)
-            if not occurs or x + 12.0 + wide > pen.size[0] - EDGE:
-                continue
-            if side:
-                _triangle(pen, x + 4.0, y - 3.0 * side, side, paint)
-            else:
-                _stroke(pen, x - 2.0, x + 8.0, y - 1.5)
-            pen.write(x + 12.0, y, text, KEY_SIZE, theme.muted)
-            x += 12.0 + wide + 12.0
+            end = x + 14.0 + pen.width(text, KEY_SIZE)
+            if occurs and end <= pen.size[0] - EDGE:
+                pen.write(x + 4.0, y, icon, MARK, paint, align=0.5)
+                pen.write(x + 14.0, y, text, KEY_SIZE, theme.muted)
+                x = end + 12.0
 
     def _draw_marks(self, pen: Pen, line: Line) -> None:
         """Births above the line, losses below it, at the scans that first show them; strokes across
@@ -143,14 +138,15 @@ class TimelineView:
         theme, y = pen.theme, line.height
         for doubt in self._doubts:
             x, end = line.x_of(doubt.start) + DOUBT_GAP, line.x_of(doubt.end) - DOUBT_GAP
-            _stroke(pen, x, max(end, x + 2.0), y + DOUBT)
+            corners = (x, y + DOUBT), (max(end, x + 2.0), y + DOUBT + 3.0)
+            pen.sheet.add_rect_filled(*corners, packed(theme.loss), 1.5)
         for x in map(line.x_of, line.others):
             pen.sheet.add_line((x, y - LEFT_OUT), (x, y + LEFT_OUT), packed(theme.muted), 2.0)
         for time, (born, lost) in zip(line.times, self._events, strict=True):
             if born:
-                _triangle(pen, line.x_of(time), y - EVENT + 3.0, -1.0, theme.accent)
+                pen.write(line.x_of(time), y - EVENT, BORN, MARK, theme.accent, align=0.5)
             if lost:
-                _triangle(pen, line.x_of(time), y + EVENT - 3.0, 1.0, theme.loss)
+                pen.write(line.x_of(time), y + EVENT, LOST, MARK, theme.loss, align=0.5)
 
     def _told_of(self, day: float) -> str:
         """What is to be told of a scan, or of what looks wrong on a day between two."""
@@ -166,13 +162,13 @@ class TimelineView:
 def _draw_line(pen: Pen, line: Line, timeline: Timeline, lively: bool) -> None:
     theme, sheet, y = pen.theme, pen.sheet, line.height
     now, thick = line.x_of(timeline.day), 2.5 if lively else 1.5
-    begin, end = line.x_of(timeline.lower), line.x_of(timeline.upper)
+    begin, end = line.x_of(timeline.begin), line.x_of(timeline.end)
     for left, right, paint in (
         (line.left, line.right, theme.track),
         (begin, max(now, begin), theme.accent),
     ):
         sheet.add_rect_filled((left, y - thick), (right, y + thick), packed(paint), thick)
-    if timeline.begin is not None or timeline.end is not None:
+    if (timeline.begin, timeline.end) != (timeline.first, timeline.last):
         for x, bracket in ((begin, "["), (end, "]")):  # about the part that is played
             pen.write(x, y, bracket, DATE_SIZE, theme.text, align=0.5)
     for time in line.times:
@@ -206,14 +202,3 @@ def _draw_bubble(pen: Pen, line: Line, day: float, date: str, side: str) -> None
 
 def _disc(pen: Pen, x: float, y: float, radius: float, color: Color) -> None:
     pen.sheet.add_circle_filled((x, y), radius, packed(color), 48)
-
-
-def _triangle(pen: Pen, x: float, base: float, side: float, color: Color) -> None:
-    """On a base at a height, its tip up (side -1) or down (1)."""
-    corners = (x - 4.0, base), (x + 4.0, base), (x, base + 6.0 * side)
-    pen.sheet.add_triangle_filled(*corners, packed(color))
-
-
-def _stroke(pen: Pen, left: float, right: float, top: float) -> None:
-    """Along the line, for what is in doubt."""
-    pen.sheet.add_rect_filled((left, top), (right, top + 3.0), packed(pen.theme.loss), 1.5)

@@ -31,10 +31,9 @@ EDGE = 8.0  # what cards keep from the window's
 
 def tip(name: str) -> None:
     """Over the control that was just drawn: what the action does, and the keys that do it too."""
-    if imgui.is_item_hovered(imgui.HoveredFlags_.for_tooltip):
-        action = keys.ACTIONS[name]
-        with imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (10.0, 6.0)):
-            imgui.set_tooltip(f"{action.help}  ({', '.join(action.labels)})")
+    action = keys.ACTIONS[name]
+    with imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (10.0, 6.0)):
+        imgui.set_item_tooltip(f"{action.help}  ({', '.join(action.labels)})")
 
 
 def button(scene: Scene, name: str, label: str, size: tuple[float, float] = (0.0, 0.0)) -> Scene:

@@ -6,6 +6,9 @@ One drawing for pictures, films and the window: each brings a `Pen` that knows i
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib.util import find_spec
+from pathlib import Path
 from typing import Protocol
 
 from gclip import Clip, Track
@@ -18,6 +21,10 @@ MAX_SCALE_BAR = 0.22  # share of the width, for scale bar and ramp
 RAMP_WIDTH, RAMP_STEP = 160, 4  # units, and of so many of a ramp's colours one
 LEGEND_HEIGHT = 0.62  # share of the height
 MAX_NAME = 40  # letters of an organ's name
+
+# Letters and icons: files of imgui-bundle.
+REGULAR, BOLD = "Roboto-Regular.ttf", "Roboto-Bold.ttf"
+ICONS = "Font_Awesome_6_Free-Solid-900.otf"
 
 RGB = tuple[int, int, int]
 
@@ -102,3 +109,13 @@ def round_length(longest: float) -> float:
     """The largest of 1, 2 and 5 times a power of ten that is no longer than `longest`."""
     power = 10.0 ** math.floor(math.log10(longest))
     return max(step * power for step in (1.0, 2.0, 5.0) if step * power <= longest * (1 + 1e-9))
+
+
+@cache
+def font_file(name: str) -> str:
+    """The path of REGULAR, BOLD or ICONS; "" where imgui-bundle is not installed."""
+    spec = find_spec("imgui_bundle")
+    for folder in (spec.submodule_search_locations or ()) if spec else ():
+        for path in sorted((Path(folder) / "assets" / "fonts").rglob(name)):
+            return str(path)
+    return ""

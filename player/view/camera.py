@@ -1,9 +1,7 @@
 """The camera: turns about a target, with the plant's own up axis kept upright."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import product
 from typing import Self
 
 import numpy as np
@@ -47,39 +45,26 @@ class Camera:
     radius: float = 1.0  #: of the scene, from which near and far plane follow
 
     @classmethod
-    def fit(cls, bounds: Sequence[Vector], up: str = "z", aspect: float = 16 / 9) -> Self:
-        """A camera that sees the box from `bounds[0]` to `bounds[1]` whole, from every yaw.
-
-        aspect: width by height of the picture.
-        """
-        corners = np.array(list(product(*np.transpose(bounds))), float)
-        return cls._about(corners.mean(axis=0), corners, up)._for_a_turn(corners, aspect)
-
-    @classmethod
     def home(cls, clip: Clip, aspect: float = 16 / 9, turning: bool = False) -> Self:
         """The view that a clip opens with: all of its movers in the picture, seen from where the
         plant looks widest.
 
+        aspect:  width by height of the picture.
         turning: about the stem, with room for a full turn, so that the plant stays in the picture.
         """
         frame, points = axes(clip.up), outline(clip)
         middle = (points.min(axis=0) + points.max(axis=0)) / 2
         if turning:
             middle[:2] = stem(clip)
-        local = points @ frame
-        camera = cls._about(middle @ frame, local, clip.up, _widest_yaw(points[:, :2]))
-        return camera._for_a_turn(local, aspect) if turning else camera._centred(local, aspect)
-
-    @classmethod
-    def _about(cls, target: Vector, points: Vector, up: str, yaw: float = YAW) -> Self:
-        """A camera that looks at a target, in a scene of (n, 3) local points."""
-        radius = float(np.linalg.norm(points - target, axis=1).max())
+        radius = float(np.linalg.norm(points - middle, axis=1).max())
         # A plant may be one point, and far from the origin.
-        radius = max(radius, 1e-6, 1e-9 * float(np.abs(target).max()))
-        return cls(target=triple(target), yaw=yaw, up=up, radius=radius)
+        radius = max(radius, 1e-6, 1e-9 * float(np.abs(middle).max()))
+        yaw, target = _widest_yaw(points[:, :2]), triple(middle @ frame)
+        fit = cls.fitted_to_turns if turning else cls._centred
+        return fit(cls(target, yaw=yaw, up=clip.up, radius=radius), points @ frame, aspect)
 
-    def _for_a_turn(self, points: Vector, aspect: float) -> Self:
-        """As near as all points are in the picture from every yaw."""
+    def fitted_to_turns(self, points: Vector, aspect: float) -> Self:
+        """As near as all of (n, 3) points are in the picture from every yaw."""
         turns = np.linspace(0.0, 2.0 * math.pi, TURNS, endpoint=False).tolist()
         return replace(self, distance=max(self.orbit(t, 0.0)._least(points, aspect) for t in turns))
 

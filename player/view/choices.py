@@ -44,15 +44,18 @@ class Output:
 
 @dataclass(frozen=True)
 class Edits:
-    """The corrections of a clip's organs, as they are, were before, and were before an undo.
+    """The corrections of a clip's organs: those after each change, and after which of them it is.
 
     baked: those that the clip was baked with.
     """
 
-    now: tuple[Correction, ...] = ()
+    history: tuple[tuple[Correction, ...], ...] = ((),)
+    step: int = 0
     baked: tuple[Correction, ...] = ()
-    past: tuple[tuple[Correction, ...], ...] = ()
-    future: tuple[tuple[Correction, ...], ...] = ()
+
+    @property
+    def now(self) -> tuple[Correction, ...]:
+        return self.history[self.step]
 
     @property
     def is_baked(self) -> bool:
@@ -61,16 +64,12 @@ class Edits:
         return sorted(map(str, shown)) == sorted(map(str, self.baked))
 
     def changed(self, now: tuple[Correction, ...]) -> Self:
-        return replace(self, now=now, past=(*self.past, self.now), future=())
+        done = self.history[: self.step + 1]
+        return replace(self, history=(*done, now), step=len(done))
 
     def moved(self, direction: int) -> Self:
         """Undo the last change (-1), or make it again (1), if there is one."""
-        past, future = self.past, self.future
-        if direction < 0 and past:
-            return replace(self, now=past[-1], past=past[:-1], future=(*future, self.now))
-        if direction > 0 and future:
-            return replace(self, now=future[-1], past=(*past, self.now), future=future[:-1])
-        return self
+        return replace(self, step=min(max(self.step + direction, 0), len(self.history) - 1))
 
 
 def sentence(correction: Correction) -> str:

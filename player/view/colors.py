@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip, Interval, PointField
-from gclip.evaluate import locate, palette_at, srgb_to_linear
-from gclip.file import check_not_truncated
+from gclip.evaluate import locate, palette_at, positions_on_curve, srgb_to_linear
 from player.errors import PlayerError
 from player.view.camera import axes, outline
 from player.view.holdout_error import held_out_as_clip, holdout_errors
@@ -67,17 +66,13 @@ class ValueRange:
         steps = np.round((STEPS - 1) * np.nan_to_num(share)).astype(int)
         return np.where(np.isnan(values)[:, None], UNKNOWN, self.colors()[steps])
 
-    def painted(self, interval: Interval, *ends: NDArray[np.floating]) -> Interval:
-        """A copy of an interval that wears its movers' values, (N,) at its start and at its end or
-        one for both, as colours.
+    def painted(self, interval: Interval, values: NDArray[np.floating]) -> Interval:
+        """A copy of an interval that wears its movers' values, (N, 2) at its start and at its end
+        or (N,) for both, as colours.
         """
-        colors = [np.insert(self.colors_of(values), 3, 255, axis=1) for values in ends]
+        ends = np.atleast_2d(values.T.astype(float))
+        colors = [np.insert(self.colors_of(end), 3, 255, axis=1) for end in ends]
         return replace(interval, start_colors=colors[0], end_colors=colors[-1])
-
-
-def resolved_color_mode(clip: Clip, style: Style) -> ColorMode:
-    """The colouring that a style comes to with a clip."""
-    return ColorMode(style.color_by).resolved(clip.has_colors)
 
 
 class Colors:
@@ -91,7 +86,7 @@ class Colors:
 
         Raises PlayerError for fields and errors where the clip holds none.
         """
-        clip, mode = self._clip, resolved_color_mode(self._clip, style)
+        clip, mode = self._clip, style.color_mode(self._clip)
         if lacking := mode.lacking(clip):
             raise PlayerError(lacking)
         unit, time = clip.unit or "units", clip.time_unit.removesuffix("s")
@@ -106,7 +101,9 @@ class Colors:
             case ColorMode.GROWTH:
                 found = 0.0, _high_end(self._growth), f"% a {time}"
             case ColorMode.FIELD:
-                title, found = self._field(style).name, (*self._field_range(style), "")
+                title, field = self._field(style).name, _known(self._field(style).values)
+                low, high = np.quantile(field, [1.0 - FAST, FAST]) if len(field) else (0.0, 1.0)
+                found = float(low), float(max(high, low + 1e-9)), ""
             case ColorMode.ERROR:
                 title += " against a scan left out"
                 found = 0.0, _high_end(self._errors), unit
@@ -120,33 +117,30 @@ class Colors:
 
         Raises PlayerError as `color_scale` does.
         """
-        mode = resolved_color_mode(self._clip, style)
-        scale = self.color_scale(style) if mode.painted else None
+        painted = style.color_mode(self._clip).painted
+        scale = self.color_scale(style) if painted else None
         if scale is None:
             return self._clip
-        if mode is ColorMode.FIELD:
-            values = [list(ends.T.astype(float)) for ends in self._field(style).values]
-        else:
-            rates = self._growth if mode is ColorMode.GROWTH else self._errors
-            values = [[rate] for rate in rates]  # one for both ends of an interval
-        pairs = zip(self._clip.intervals, values, strict=True)
-        return replace(self._clip, intervals=tuple(scale.painted(i, *ends) for i, ends in pairs))
+        pairs = zip(self._clip.intervals, self._values(style), strict=True)
+        return replace(self._clip, intervals=tuple(scale.painted(*pair) for pair in pairs))
+
+    def _values(self, style: Style) -> Sequence[NDArray[np.floating]]:
+        """Of each interval's movers, as `ValueRange.painted` takes them."""
+        match style.color_mode(self._clip):
+            case ColorMode.GROWTH:
+                return self._growth
+            case ColorMode.ERROR:
+                return self._errors
+        return self._field(style).values
 
     def _field(self, style: Style) -> PointField:
         fields = self._clip.fields
         return next((field for field in fields if field.name == style.field), fields[0])
 
-    def _field_range(self, style: Style) -> tuple[float, float]:
-        """What all but the outermost values lie between."""
-        values = np.concatenate([ends.ravel() for ends in self._field(style).values])
-        known = values[np.isfinite(values)]
-        low, high = np.quantile(known, [1.0 - FAST, FAST]) if len(known) else (0.0, 1.0)
-        return float(low), float(max(high, low + 1e-9))
-
     def left_out(self, number: int, style: Style) -> Clip:
         """A scan that was left out, as a clip that wears a style's colours."""
         clip, missed = held_out_as_clip(self._clip, number)
-        shown = resolved_color_mode(self._clip, style) is ColorMode.ERROR
+        shown = style.color_mode(self._clip) is ColorMode.ERROR
         scale = self.color_scale(style) if shown else None
         if scale is None:
             return clip
@@ -157,7 +151,7 @@ class Colors:
         without the scans' colours where a style shows the organs'. Raises PlayerError for other
         values, which change while the plant grows.
         """
-        mode = resolved_color_mode(self._clip, style)
+        mode = style.color_mode(self._clip)
         if mode in (ColorMode.AGE, ColorMode.SPEED, ColorMode.HEIGHT):
             raise PlayerError(
                 f"--color {mode} changes while the plant grows: it is for pictures and films; "
@@ -171,7 +165,7 @@ class Colors:
     def scalar_field(self, style: Style) -> ScalarField:
         """What the shaders find a value of, for a style."""
         fields = {ColorMode.HEIGHT: ScalarField.HEIGHT, ColorMode.SPEED: ScalarField.SPEED}
-        return fields.get(resolved_color_mode(self._clip, style), ScalarField.NONE)
+        return fields.get(style.color_mode(self._clip), ScalarField.NONE)
 
     def palette(self, day: float, style: Style) -> NDArray[np.float32]:
         """(tracks, 4) float32: linear light, and what is left of a mover's own colour.
@@ -210,7 +204,7 @@ class Colors:
 
     def _track_colors(self, day: float, style: Style) -> NDArray[np.uint8]:
         """(tracks, 3) uint8 sRGB."""
-        aged = resolved_color_mode(self._clip, style) is ColorMode.AGE
+        aged = style.color_mode(self._clip) is ColorMode.AGE
         scale = self.color_scale(style) if aged else None
         if scale is None:
             return palette_at(self._clip, *locate(self._clip, day))[:, :3]
@@ -236,26 +230,25 @@ class Colors:
     @cached_property
     def _fastest(self) -> float:
         """In the clip's units: the speed of the fastest colour, which few movers exceed."""
-        speeds = [np.zeros(1)]
+        speeds = []
         for interval in self._clip.intervals:
             moving = [group for group in interval.groups if group.motion == "move"]
             count = sum(group.count for group in moving)
             some = slice(0, count, max(count // SAMPLE, 1))
-            check_not_truncated(interval.tracks)
-            start, end = (
-                np.asarray(points[some], float)
-                for points in (interval.curve[0], interval.curve[-1])
-            )
-            step = np.ones(3) if interval.box is None else interval.box.step
-            way = np.linalg.norm((end - start) * step, axis=1)
+            start, end = (positions_on_curve(interval, some, share) for share in (0.0, 1.0))
+            way = np.linalg.norm(end.astype(float) - start, axis=1)
             speeds.append(way / (interval.end - interval.start))
-        return nice_ceil(max(float(np.quantile(np.concatenate(speeds), FAST)), 1e-9))
+        return _high_end(speeds)
+
+
+def _known(values: Sequence[NDArray[np.floating]]) -> NDArray[np.floating]:
+    """Those of all intervals that are numbers."""
+    return np.concatenate([one[np.isfinite(one)] for one in values])
 
 
 def _high_end(values: Sequence[NDArray[np.float64]]) -> float:
     """A round value that few exceed."""
-    known = np.concatenate([np.zeros(1), *(one[np.isfinite(one)] for one in values)])
-    return nice_ceil(max(float(np.quantile(known, FAST)), 1e-9))
+    return nice_ceil(max(float(np.quantile(np.append(_known(values), 0.0), FAST)), 1e-9))
 
 
 def format_number(value: float) -> str:

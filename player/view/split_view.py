@@ -39,10 +39,12 @@ def paired_homes(clips: Sequence[Clip], homes: Sequence[Camera]) -> tuple[Camera
     homes: of each clip the camera that shows all of it.
     """
     (first, second), (home, other) = clips, homes
-    if _same_place(first, second):
-        shift = np.subtract(first.origin, second.origin)
-        return home, replace(home, target=triple(home.target + shift))
-    if 1.0 / ALIKE < home.radius / other.radius < ALIKE:
+    here = np.add(home.target, np.subtract(first.origin, second.origin))  # in the second clip
+    small, large = sorted((home.radius, other.radius))
+    alike, apart = large < ALIKE * small, float(np.linalg.norm(here - other.target))
+    if alike and apart < NEAR * large and first.up == second.up:
+        return home, replace(home, target=triple(here))
+    if alike:
         farther = max(home.distance, other.distance)
         return replace(home, distance=farther), replace(other, distance=farther)
     return home, other
@@ -96,13 +98,3 @@ def matched_day(first: Clip, second: Clip, day: float) -> float:
     if max(begin, low) < min(end, high):
         return min(max(day, low), high)
     return min(low + day - begin, high)
-
-
-def _same_place(first: Clip, second: Clip) -> bool:
-    if first.up != second.up:
-        return False
-    boxes = [np.add(clip.bounds, clip.origin) for clip in (first, second)]
-    middles = [box.mean(axis=0) for box in boxes]
-    sizes = [float(np.linalg.norm(box[1] - box[0])) / 2 for box in boxes]
-    apart = float(np.linalg.norm(middles[0] - middles[1]))
-    return apart < NEAR * max(sizes) and max(sizes) < ALIKE * min(sizes)

@@ -68,12 +68,13 @@ class Scene:
     @property
     def color_mode(self) -> ColorMode:
         """The colouring on screen."""
-        return ColorMode(self.style.color_by).resolved(self.clip.has_colors)
+        return self.style.color_mode(self.clip)
 
     @property
     def color_modes(self) -> list[ColorMode]:
         """What can be chosen, also where the clip lacks it: the answer tells how to get it."""
-        return [mode for mode in ColorMode if mode is mode.resolved(self.clip.has_colors)]
+        without = (ColorMode.AUTO,) if self.clip.has_colors else (ColorMode.AUTO, ColorMode.SCAN)
+        return [mode for mode in ColorMode if mode not in without]
 
     def with_timeline(self, move: Callable[[Timeline], Timeline]) -> Self:
         return replace(self, timeline=move(self.timeline))
@@ -101,7 +102,7 @@ def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
     picked or compared with.
     """
     clip, style, path = clips[0], scene.style, CameraPath() if fresh else scene.path
-    timeline = replace(scene.timeline, times=tuple(clip.times), begin=None, end=None)
+    timeline = replace(scene.timeline, times=tuple(clip.times)).unbounded()
     if len(clip.track_table) != len(scene.clip.track_table):
         style = replace(style, picked=None, second=None, alone=None, hidden=frozenset())
     if ColorMode(style.color_by).lacking(clip):
@@ -112,6 +113,7 @@ def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
     return replace(
         scene,
         clips=clips,
+        camera=scene.home if fresh else scene.camera,
         timeline=timeline.at(clip.times[0] if fresh else timeline.day),
         style=style,
         compare=compare,

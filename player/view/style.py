@@ -42,12 +42,6 @@ class ColorMode(StrEnum):
         """Whether a clip is given the values' colours as its own (player/view/colors.py)."""
         return self in (ColorMode.GROWTH, ColorMode.FIELD, ColorMode.ERROR)
 
-    def resolved(self, has_colors: bool) -> ColorMode:
-        """What it comes to with a clip that has scans' colours, or has none."""
-        if self in (ColorMode.AUTO, ColorMode.SCAN):
-            return ColorMode.SCAN if has_colors else ColorMode.TRACK
-        return self
-
     def lacking(self, clip: Clip) -> str:
         """Why a clip can't be coloured so, and how it could; "" where it can."""
         if self is ColorMode.FIELD and not clip.fields:
@@ -96,6 +90,13 @@ class Style:
     second: int | None = None  #: another one that is highlighted
     hidden: frozenset[int] = frozenset()  #: tracks that are not drawn
     alone: int | None = None  #: the only track that is drawn
+
+    def color_mode(self, clip: Clip) -> ColorMode:
+        """The colouring that it comes to with a clip."""
+        mode = ColorMode(self.color_by)
+        if mode in (ColorMode.AUTO, ColorMode.SCAN):
+            return ColorMode.SCAN if clip.has_colors else ColorMode.TRACK
+        return mode
 
     @property
     def marked(self) -> bool:

@@ -1,3 +1,3 @@
-from .launch import LaunchOptions, start
+from .launch import start
 
-__all__ = ["LaunchOptions", "start"]
+__all__ = ["start"]

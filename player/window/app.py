@@ -20,11 +20,12 @@ from player.ui.curves import strip_height
 from player.ui.gui import Gui
 from player.ui.interface import Interface
 from player.ui.panel import panel_width
+from player.view.camera import Camera
 from player.view.camera_animation import load_path
 from player.view.choices import Compare
 from player.view.dates import date_at
 from player.view.playback import Timeline
-from player.view.split_view import Pane, panes_of
+from player.view.split_view import panes_of
 from player.view.state import Scene, reopened
 from player.view.style import Style
 from player.window.dynamic_resolution import Detail, DynamicResolution
@@ -60,6 +61,7 @@ class Window:
         self._measures = Measures.of(handle)
         self._dropped: list[str] = []
         self._drawn: tuple[Scene, Measures] | None = None
+        self._view: tuple[float, Camera, Measures] | None = None
         self._changed_at = 0.0
         self._title, self._notice, self._notice_ends = "", "", 0.0
         bare = self._show(clips)
@@ -67,7 +69,6 @@ class Window:
         scene = Scene(timeline, camera, camera, style, bare[:1])
         self.scene = replace(reopened(scene, bare, fresh=True), **changes)
         self._fit()
-        self.scene = replace(self.scene, camera=self.scene.home)
         listen(handle, self._press, self._draw_again, self._dropped.extend)
         if self.scene.kiosk:
             glfw.set_input_mode(handle, glfw.CURSOR, glfw.CURSOR_HIDDEN)
@@ -114,21 +115,20 @@ class Window:
         self._kept = KeptEdits(clips[0])
         self._files = FileWatch(*[one.file for one in clips if one.file is not None])
         self._fitted: tuple[float, float, float] | None = None
-        self._drawn = None
+        self._drawn = self._view = None
         return bare
 
     @property
     def _lively(self) -> bool:
         """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
-        plays = self.scene.timeline.playing and not self._interface.timeline.held
-        settles = glfw.get_time() < self._changed_at + SETTLING
-        moves = (
-            plays
+        return (
+            (self.scene.timeline.playing and not self._interface.timeline.held)
             or self.scene.turning
             or self.scene.notice != ""
             or self._interface.organs.measuring
+            or glfw.get_time() < self._changed_at + SETTLING
+            or not self.viewports.whole
         )
-        return moves or settles or not self.viewports.whole
 
     def _pass_time(self, seconds: float, now: float) -> None:
         scene = self.scene
@@ -158,7 +158,8 @@ class Window:
             elif dropped:
                 self._take([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
             elif self._files.changed():
-                self._take([one.reopened() for one in self.clips], fresh=False)
+                again = [OpenClip.of(one.file) if one.file else one for one in self.clips]
+                self._take(again, fresh=False)
         except UserError as error:
             told = str(error)
             for name in dropped:  # folders would leave no room for what is wrong
@@ -174,8 +175,6 @@ class Window:
         told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
         self.scene = reopened(scene, bare, fresh).with_notice(told)
         self._fit()
-        if fresh or scene.camera == scene.home:
-            self.scene = replace(self.scene, camera=self.scene.home)
 
     def _press(self, key: str, shift: bool, repeated: bool) -> None:
         if self._gui.writes or (key == "escape" and self._interface.popup):
@@ -201,23 +200,21 @@ class Window:
         width *= 0.5 if self.scene.compare is Compare.BESIDE else 1.0
         plot = strip_height(self.scene, height)
         if self._measures.visible and self._fitted != (width, height, plot):
-            before = self._fitted[2] if self._fitted else plot
             self._fitted = (width, height, plot)
-            self.scene = fitted(self.scene, (width, height), plot, before)
+            self.scene = fitted(self.scene, (width, height), plot)
 
     def _draw(self) -> None:
         """Draw the next picture, if it may differ from the last one."""
         scene, measures, now = self.scene, self._measures, glfw.get_time()
-        wanted, drawn = (scene, measures), self._drawn
-        if wanted != drawn or self._gui.pending:
+        view = scene.timeline.day, scene.camera, measures
+        if (scene, measures) != self._drawn or self._gui.pending:
             self._changed_at = now
         elif not self._lively:
             return
         if not measures.visible:
             return
-        moves = drawn is None or _view(*wanted) != _view(*drawn)
-        aside = panel_width(scene, measures.units[0])
-        area, panes = measures.beside(aside), panes_of(scene, [one.name for one in self.clips])
+        moves, area = view != self._view, measures.beside(panel_width(scene, measures.units[0]))
+        panes = panes_of(scene, [one.name for one in self.clips])
         still = scene.wish is not None  # a picture of all that there is
         detail = self._resolution.detail(area) if moves and not still else Detail()
         at_rest = still or not (moves or self.viewports.loading)
@@ -227,8 +224,7 @@ class Window:
         except ClipError as error:  # cut short while it is open: the last picture stays
             self.scene = self.scene.with_notice(str(error))
         screen = self._context.screen
-        screen.use()
-        self.viewports.show(screen, area)
+        self.viewports.show(screen)
         if still:
             pixels = self.viewports.pixels()
             self.scene = self._exports.execute(self.scene, self.clips[0], area, pixels)
@@ -237,16 +233,17 @@ class Window:
         if moves:  # swapping waits for the display
             self._resolution.frame_took(max(glfw.get_time() - now, self.viewports.gpu_seconds))
         glfw.swap_buffers(self._handle)
-        self._drawn = wanted
-        self._pick(panes, (measures.units[0] - aside, measures.units[1]))
+        self._drawn, self._view = (scene, measures), view
+        self._pick()
         self._watch(self.scene)
 
-    def _pick(self, panes: Sequence[Pane], area: tuple[float, float]) -> None:
-        """Pick the organ that was clicked in the plant's part of the window, in units."""
-        mouse = self._interface.mouse
+    def _pick(self) -> None:
+        """Pick the organ that was clicked."""
+        mouse, scale = self._interface.mouse, self._measures.scale
         if mouse.clicked is None or self.scene.kiosk:
             return
-        if found := self.viewports.organ_under(self.scene, panes, mouse.clicked, area):
+        x, y = mouse.clicked
+        if found := self.viewports.organ_under(self.scene, (x * scale, y * scale)):
             self.scene = actions.pick(self.scene, *found, mouse.more)
 
     def _draw_again(self) -> None:
@@ -254,8 +251,3 @@ class Window:
         self._drawn = None
         self._follow_window()
         self._draw()
-
-
-def _view(scene: Scene, measures: Measures) -> object:
-    """What moves: the day, the camera and the size."""
-    return scene.timeline.day, scene.camera, measures

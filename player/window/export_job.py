@@ -27,43 +27,6 @@ class Stopped(Exception):
     """The user stopped it."""
 
 
-class ExportJob:
-    """One export under way; a process, so that the window stays smooth."""
-
-    def __init__(self, clip: Path, film: Film, output: Path) -> None:
-        fresh = multiprocessing.get_context("spawn")
-        self.state = Exporting(output.name)
-        self._events, sending = fresh.Pipe(duplex=False)
-        self._stop = fresh.Event()
-        job = (str(clip), film, str(output), sending, self._stop)
-        self._process = fresh.Process(target=run, args=job, daemon=True)
-        self._process.start()
-        sending.close()
-
-    def look(self) -> Exporting:
-        """What has happened by now."""
-        try:
-            while self._events.poll():
-                self.state = self._events.recv()
-        except (EOFError, OSError):
-            if not self.state.ended:
-                self.state = replace(self.state, ended=f"Exporting {self.state.name} failed.")
-        if self.state.ended:
-            self._process.join(PATIENCE)
-        return self.state
-
-    def stop(self) -> None:
-        """Ask it to leave, and to leave nothing behind."""
-        self._stop.set()
-
-    def release(self) -> None:
-        """Stop it now, whatever it does."""
-        self.stop()
-        self._process.join(PATIENCE)
-        if self._process.is_alive():
-            self._process.kill()
-
-
 def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
     """What the process does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the window decides, also about Ctrl-C
@@ -88,18 +51,50 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
 
 
 class Exports:
-    """What the user asks for once: pictures, camera paths in files, and one export at a time."""
+    """What the user asks for once: pictures, camera paths in files, and one export at a time, in a
+    process of its own, so that the window stays smooth.
+
+    state: how far the export under way is, if there is one.
+    """
 
     def __init__(self) -> None:
-        self._running: ExportJob | None = None
+        self.state: Exporting | None = None
+        self._process: Any = None
+
+    def begin(self, clip: Path, film: Film, output: Path) -> None:
+        fresh = multiprocessing.get_context("spawn")
+        self.state, self._stop = Exporting(output.name), fresh.Event()
+        self._events, sending = fresh.Pipe(duplex=False)
+        job = (str(clip), film, str(output), sending, self._stop)
+        self._process = fresh.Process(target=run, args=job, daemon=True)
+        self._process.start()
+        sending.close()
+
+    def stop(self) -> None:
+        """Ask the export to leave, and to leave nothing behind."""
+        self._stop.set()
+
+    def release(self) -> None:
+        """Stop it now, whatever it does."""
+        if self.state:
+            self.stop()
+            self._process.join(PATIENCE)
+            self._process.kill()
 
     def followed(self, scene: Scene) -> Scene:
         """The scene with how far the export under way is, or how it ended."""
-        state = self._running.look() if self._running else None
-        if state is None or not state.ended:
-            return replace(scene, exporting=state)
-        self._running = None
-        return replace(scene, exporting=None, notice=state.ended)
+        state = self.state
+        if state is None:
+            return replace(scene, exporting=None)
+        try:
+            while not state.ended and self._events.poll():
+                state = self._events.recv()
+        except (EOFError, OSError):
+            state = replace(state, ended=f"Exporting {state.name} failed.")
+        if state.ended:
+            self._process.join(PATIENCE)
+        self.state = None if state.ended else state
+        return replace(scene, exporting=self.state, notice=state.ended or scene.notice)
 
     def execute(
         self, scene: Scene, opened: OpenClip, area: tuple[int, int], pixels: bytes
@@ -128,17 +123,13 @@ class Exports:
                 return saved(save_screenshot(pixels, area, name))
         if opened.file is None:
             return "Only clips that were opened from a file can be exported."
-        if self._running is not None:
-            self._running.stop()
+        if self.state is not None:
+            self.stop()
             return "Stopping …"
         file, film = free_name(name, example), film_of(scene, example, area, name)
         format_of(file, film)
-        self._running = ExportJob(opened.file, film, file)
+        self.begin(opened.file, film, file)
         return f"Exporting {file}"
-
-    def release(self) -> None:
-        if self._running:
-            self._running.release()
 
 
 def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Film:

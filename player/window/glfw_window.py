@@ -163,7 +163,7 @@ def listen(
 
 
 def switch_fullscreen(handle: Any, wanted: bool) -> None:
-    """Go to the full screen of the monitor that shows most of the window, or back from it."""
+    """Go to the full screen of the monitor that shows the window, or back from it."""
     if wanted == bool(glfw.get_window_monitor(handle)):
         return
     if wanted:
@@ -185,17 +185,14 @@ def shortest_frame() -> float:
 
 
 def _monitor_of(handle: Any) -> Any:
-    left, top = glfw.get_window_pos(handle)
-    width, height = glfw.get_window_size(handle)
-
-    def shared(monitor: Any) -> int:
-        x, y = glfw.get_monitor_pos(monitor)
-        size = glfw.get_video_mode(monitor).size
-        across = min(left + width, x + size.width) - max(left, x)
-        down = min(top + height, y + size.height) - max(top, y)
-        return max(across, 0) * max(down, 0)
-
-    return max(glfw.get_monitors(), key=shared)
+    """The one that shows the middle of a window, or else the first one."""
+    (left, top), (width, height) = glfw.get_window_pos(handle), glfw.get_window_size(handle)
+    for monitor in glfw.get_monitors():
+        (x, y), shown = glfw.get_monitor_pos(monitor), glfw.get_video_mode(monitor).size
+        right, down = left + width / 2 - x, top + height / 2 - y
+        if 0 <= right < shown.width and 0 <= down < shown.height:
+            return monitor
+    return glfw.get_primary_monitor()
 
 
 def _text(reason: str | bytes) -> str:

@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -26,47 +26,45 @@ from player.window.settings import Settings, load_settings, save_settings
 RESETS = 3  # of the graphics driver that are put up with
 
 
-@dataclass(frozen=True)
-class LaunchOptions:
-    """What the command line asks for; None leaves it to the last time's settings."""
-
-    size: tuple[int, int] | None = None
-    ground: GroundChoice | None = None
-    turning: bool = False
-    path: Path | None = None  #: file of a camera path to follow
-    kiosk: bool = False  #: full screen, over and over, nothing to press
-    profile: bool = False  #: the time of each pass of a frame is printed at the end
-
-
-def start(files: Sequence[Path], style: Style, options: LaunchOptions) -> None:
+def start(
+    files: Sequence[Path],
+    style: Style,
+    size: tuple[int, int] | None = None,
+    ground: GroundChoice | None = None,
+    turning: bool = False,
+    path: Path | None = None,
+    *,
+    kiosk: bool = False,
+    profile: bool = False,
+) -> None:
     """Play one clip, or two in step, as the command line and the last time left the window.
 
+    size, ground: None for those of the last time; path: file of a camera path to follow;
+    kiosk: full screen, over and over, nothing to press.
     Raises ClipError, and PlayerError as `show` does.
     """
     clips = [OpenClip.of(file) for file in files]
     if lacking := ColorMode(style.color_by).lacking(clips[0].clip):
         raise PlayerError(lacking)
     last = load_settings()
-    path = load_path(options.path, clips[0].clip) if options.path else CameraPath()
-    size = options.size or last.size
-    beside = stands_beside(size[0])  # else it would lie over the plant: it waits to be called
+    camera_path = load_path(path, clips[0].clip) if path else CameraPath()
+    beside = stands_beside((size or last.size)[0])  # else it would lie over the plant
     changes = {
-        "turning": options.turning,
-        "path": path,
-        "following": bool(path),
+        "turning": turning,
+        "path": camera_path,
+        "following": bool(camera_path),
         "panel": last.panel and beside,
         "guides": last.guides,
         "legend": last.legend,
-        "kiosk": options.kiosk,
-        "fullscreen": options.kiosk,
+        "kiosk": kiosk,
+        "fullscreen": kiosk,
     }
-    style = replace(style, ground=options.ground or last.ground)
-    scene, size = show(clips, style, size=size, changes=changes, profile=options.profile)
-    if not options.kiosk:
-        kept = last.size if options.size or scene.fullscreen else size
-        panel = scene.panel if beside else last.panel
-        ground = GroundChoice(scene.style.ground)
-        save_settings(Settings(kept, panel, ground, scene.guides, scene.legend))
+    style = replace(style, ground=ground or last.ground)
+    scene, shown = show(clips, style, size=size or last.size, changes=changes, profile=profile)
+    if not kiosk:
+        kept = last.size if size or scene.fullscreen else shown
+        panel, light = scene.panel if beside else last.panel, GroundChoice(scene.style.ground)
+        save_settings(Settings(kept, panel, light, scene.guides, scene.legend))
 
 
 def show(

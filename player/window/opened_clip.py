@@ -7,7 +7,7 @@ from typing import Self
 
 from gclip import Clip
 from gclip.clip import open_as_baked
-from gclip.corrections import Correction, corrections_file, read_corrections, write_corrections
+from gclip.corrections import corrections_file, read_corrections, write_corrections
 from gclip.errors import UserError
 from gclip.places import baked_corrections, rename_organs
 from player.view.choices import Edits
@@ -26,10 +26,6 @@ class OpenClip:
     def of(cls, file: Path) -> Self:
         """Raises ClipError where it is no clip."""
         return cls(open_as_baked(file), file.stem, file)
-
-    def reopened(self) -> Self:
-        """As its file is now. Raises ClipError where that is no clip any more."""
-        return self if self.file is None else self.of(self.file)
 
 
 class FileWatch:
@@ -68,30 +64,22 @@ class KeptEdits:
         """
         if self._file is None:
             return scene
+        edits, reads = scene.edits, self._saved is None or self._watch.changed()
         try:
-            if self._saved is None or self._watch.changed():
-                return self._read(scene, self._file)
-        except UserError as error:
-            self._saved = Edits()
-            return replace(scene, edits=None, notice=str(error))
-        try:
-            if scene.edits and scene.edits.now != self._saved.now:
-                named = self._named(scene, scene.edits.now)
-                write_corrections(self._file, scene.edits.now)
+            if reads:
+                now = read_corrections(self._file) if self._file.exists() else ()
+                edits = replace(edits or Edits(), baked=self._baked)
+                edits = edits if now == edits.now else edits.changed(now)
+            elif edits is None or (self._saved and edits.now == self._saved.now):
+                self._saved = edits or self._saved
+                return scene
+            clips = (rename_organs(self._opened, edits.now), *scene.clips[1:])
+            if not reads:
+                write_corrections(self._file, edits.now)
                 self._watch.changed()
-                scene = named
         except UserError as error:
-            return replace(scene, edits=self._saved, notice=str(error))
-        self._saved = scene.edits or self._saved
-        return scene
-
-    def _read(self, scene: Scene, file: Path) -> Scene:
-        now = read_corrections(file) if file.exists() else ()
-        scene = self._named(scene, now)
-        before = scene.edits or Edits()
-        edits = before if now == before.now else before.changed(now)
-        self._saved = replace(edits, baked=self._baked)
-        return replace(scene, edits=self._saved)
-
-    def _named(self, scene: Scene, now: tuple[Correction, ...]) -> Scene:
-        return replace(scene, clips=(rename_organs(self._opened, now), *scene.clips[1:]))
+            edits = None if reads else self._saved
+            self._saved = self._saved or Edits()
+            return replace(scene, edits=edits, notice=str(error))
+        self._saved = edits
+        return replace(scene, edits=edits, clips=clips)

@@ -7,7 +7,7 @@ import moderngl
 
 from gclip import Clip
 from gclip.corrections import Place
-from player.gl.framebuffer import texture
+from player.gl.framebuffer import Target, target
 from player.gl.gl_errors import pictures_of
 from player.gl.shader import Passes
 from player.gl.timers import PassTimers
@@ -15,7 +15,7 @@ from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.colors import Colors
 from player.view.organ_place import organ_place
-from player.view.split_view import Pane, paired_homes
+from player.view.split_view import Pane, paired_homes, transferred
 from player.view.state import Scene
 from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
@@ -34,23 +34,18 @@ def home_camera(clip: Clip, size: tuple[float, float], plot: float = 0.0) -> Cam
     return camera.pan(0.0, (below - ABOVE) / 2 / height)
 
 
-def fitted(
-    scene: Scene, size: tuple[float, float], plot: float = 0.0, before: float = 0.0
-) -> Scene:
+def fitted(scene: Scene, size: tuple[float, float], plot: float = 0.0) -> Scene:
     """The scene with the home cameras of a window, and its camera as it stood beside the last one.
 
-    size: (width, height) in units of what a plant has of the window.
-    plot, before: the height of the plot above the timeline, now and with the last home camera.
+    size, plot: as `home_camera` takes them, of what a plant has of the window.
     """
     home, *rest = (home_camera(clip, size, plot) for clip in scene.clips)
-    other = None
+    other, flat = None, scene.camera.orthographic
     if rest:
         home, other = paired_homes(scene.clips, (home, *rest))
-    flat = scene.camera.orthographic
-    last, now = scene.home.with_orthographic(flat), home.with_orthographic(flat)
-    lowered = scene.camera.pan(0.0, -before / 2 / size[1])
-    farther = replace(lowered, distance=lowered.distance * now.distance / last.distance)
-    camera = now if scene.camera == last else farther.pan(0.0, plot / 2 / size[1])
+    camera = transferred(scene.camera, scene.home, home)
+    if scene.camera == scene.home.with_orthographic(flat):
+        camera = home.with_orthographic(flat)
     return replace(scene, camera=camera, home=home, other_home=other)
 
 
@@ -64,17 +59,13 @@ class Viewports:
     """
 
     def __init__(self, context: moderngl.Context, clips: Sequence[Clip]) -> None:
-        self._context = context
-        self._clips = clips
+        self._context, self._clips = context, clips
         self._colors = [Colors(clip) for clip in clips]
-        self._renderers: dict[tuple[int, str, int | None], Renderer] = {
-            (number, "", None): Renderer(context, clip) for number, clip in enumerate(clips)
-        }
+        self._renderers: dict[tuple[int, str, int | None], Renderer] = {}
         self._passes = Passes(context)
-        self._pictures: dict[str, tuple[moderngl.Framebuffer, moderngl.Texture]] = {}
-        self._painted: object = None
-        self.whole = True
-        self.loading = True
+        self._pictures: dict[int, Target] = {}
+        self._painted: tuple[tuple[int, int], tuple[Pane, ...], Style, Detail] | None = None
+        self.whole = self.loading = True
         self.gpu_seconds = 0.0
 
     def paint(
@@ -93,57 +84,38 @@ class Viewports:
         wanted = (size, tuple(panes), style, detail)
         if wanted == self._painted and self.whole:
             return
-        before = self._loaded
-        self.whole = True
-        self.gpu_seconds = 0.0
-        for pane in panes:
-            left, right = round(pane.left * size[0]), round(pane.right * size[0])
-            if right <= left:
-                continue
-            place = (left, 0, right - left, size[1]) if pane.own else (0, 0, *size)
-            drawn = (round(place[2] * detail.pixels) or 1, round(place[3] * detail.pixels) or 1)
-            whole = len(panes) == 1 and drawn == size
-            into = self._picture("all" if whole else "part", drawn)
-            renderer = self._renderer(pane, style)
+        before, self.whole, self.gpu_seconds = self._loaded, True, 0.0
+        for number, pane in enumerate(panes):
+            whole, _ = _places(pane, size)
+            pixels = round(whole[2] * detail.pixels) or 1, round(whole[3] * detail.pixels) or 1
+            renderer, into = self._renderer(pane, style), self._framebuffer(number, pixels)
             self.whole &= renderer.draw(
-                *(into, pane.day, pane.camera, style, drawn),
+                *(into, pane.day, pane.camera, style, pixels),
                 stride=detail.every,
                 upload_budget=upload_budget,
             )
             self.gpu_seconds += renderer.gpu_seconds
-            if not whole:
-                picture = self._picture("all", size)
-                picture.scissor = (left, 0, right - left, size[1])
-                self._copy("part", picture, place)
-                picture.scissor = None  # type: ignore[assignment]
         self.loading = upload_budget is not None and before != self._loaded
         self._painted = wanted
 
     def organ_under(
-        self,
-        scene: Scene,
-        panes: Sequence[Pane],
-        at: tuple[float, float],
-        size: tuple[float, float],
+        self, scene: Scene, at: tuple[float, float]
     ) -> tuple[int | None, Place | None] | None:
-        """The track of the first clip's organ that is seen at a place, and where it was clicked;
-        None over another clip.
-
-        at: the place, from the top left corner; size: of the window, in the same unit.
+        """The track of the first clip's organ that is seen at a place of the picture, in pixels
+        from its top left corner, and where it was clicked; None over another clip.
         """
-        width, height = size
+        assert self._painted
+        size, panes, style, _ = self._painted
         for pane in panes:
-            left, right = pane.left * width, pane.right * width
-            if pane.clip == 0 and left <= at[0] < right:
-                whole = (right - left, height) if pane.own else size
-                x, y = at[0] - (left if pane.own else 0.0), at[1]
-                renderer = self._renderer(pane, scene.style)
-                track = renderer.organ_at(pane.day, pane.camera, scene.style, (x, y), whole)
+            (left, _, width, height), seen = _places(pane, size)
+            if pane.clip == 0 and seen[0] <= at[0] < seen[0] + seen[2]:
+                x, y = at[0] - left, at[1]
+                renderer, whole = self._renderer(pane, style), (width, height)
+                track = renderer.organ_at(pane.day, pane.camera, style, (x, y), whole)
                 if track is None:
                     return None, None
-                spot = 2 * x / whole[0] - 1, 1 - 2 * y / height
-                seen = pane.camera, whole[0] / height, spot
-                return track, organ_place(scene.clip, track, pane.day, seen)
+                view = pane.camera, width / height, (2 * x / width - 1, 1 - 2 * y / height)
+                return track, organ_place(scene.clip, track, pane.day, view)
         return None
 
     @property
@@ -151,13 +123,25 @@ class Viewports:
         """Of the passes of all pictures so far."""
         return [renderer.timers for renderer in self._renderers.values()]
 
-    def show(self, screen: moderngl.Framebuffer, size: tuple[int, int]) -> None:
-        """Put the picture on the screen, at its left; `size` as it was painted."""
-        self._copy("all", screen, (0, 0, *size))
+    def show(self, screen: moderngl.Framebuffer) -> None:
+        """Put the picture on the screen, at its left."""
+        assert self._painted
+        size, panes, *_ = self._painted
+        screen.use()
+        self._context.enable_only(moderngl.NOTHING)
+        for number, pane in enumerate(panes):
+            screen.viewport, screen.scissor = _places(pane, size)
+            self._pictures[number].bind()
+            self._passes.fill("blit", picture=0)
+        screen.scissor = None  # type: ignore[assignment]
 
     def pixels(self) -> bytes:
         """The picture as RGB, bottom row first."""
-        return bytes(self._pictures["all"][0].read(components=3, alignment=1))
+        assert self._painted
+        with pictures_of(self._painted[0]):
+            framebuffer = self._context.simple_framebuffer(self._painted[0], 3)
+        self.show(framebuffer)
+        return bytes(framebuffer.read(components=3, alignment=1))
 
     def release(self) -> None:
         for renderer in self._renderers.values():
@@ -178,31 +162,22 @@ class Viewports:
                 replaced = pane.left_out is not None and left_out is not None
                 if replaced or (worn and worn != paint):
                     self._renderers.pop((number, worn, left_out)).release()
+            clip = colors.clip_with_colors(style) if painted else self._clips[pane.clip]
             if pane.left_out is not None:
                 clip = colors.left_out(pane.left_out, style)
-            else:
-                clip = colors.clip_with_colors(style) if painted else self._clips[pane.clip]
             self._renderers[key] = Renderer(self._context, clip)
         return self._renderers[key]
 
-    def _copy(
-        self, name: str, into: moderngl.Framebuffer, viewport: tuple[int, int, int, int]
-    ) -> None:
-        """Spread one of the pictures over a part of a framebuffer."""
-        into.viewport = viewport
-        into.use()
-        self._context.enable_only(moderngl.NOTHING)
-        self._pictures[name][1].use()
-        self._passes.fill("blit", picture=0)
+    def _framebuffer(self, number: int, size: tuple[int, int]) -> moderngl.Framebuffer:
+        """What a pane is drawn into; the last one is given up where its size differs."""
+        if number not in self._pictures or self._pictures[number].framebuffer.size != size:
+            self._pictures.pop(number, None)
+            self._pictures[number] = target(self._context, size, (4, "f1"), linear=True)
+        return self._pictures[number].framebuffer
 
-    def _picture(self, name: str, size: tuple[int, int]) -> moderngl.Framebuffer:
-        """A framebuffer of a size; the last one of that name is given up where it differs."""
-        if name in self._pictures and self._pictures[name][0].size != size:
-            del self._pictures[name]
-        if name not in self._pictures:
-            with pictures_of(size):
-                attached = texture(self._context, size, 4, "f1", linear=True)
-                self._pictures[name] = self._context.framebuffer([attached]), attached
-        framebuffer = self._pictures[name][0]
-        framebuffer.viewport = (0, 0, *size)
-        return framebuffer
+
+def _places(pane: Pane, size: tuple[int, int]) -> tuple[tuple[int, int, int, int], ...]:
+    """Left, bottom, width and height of a pane's picture in the window, and of the part seen."""
+    left, right = round(pane.left * size[0]), round(pane.right * size[0])
+    seen = (left, 0, right - left, size[1])
+    return (seen if pane.own else (0, 0, *size)), seen

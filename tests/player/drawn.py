@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,16 +13,24 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from player.rendering.renderer import Renderer
-from player.view.camera import Camera
+from player.view.camera import Camera, triple
 from player.view.style import Style
 
 Picture = NDArray[np.integer]
 
 
+def fitted(bounds: Sequence[NDArray[np.floating]], up: str = "z", aspect: float = 16 / 9) -> Camera:
+    """A camera that sees the box between two corners from every yaw."""
+    corners = np.array(bounds, float)
+    middle = corners.mean(axis=0)
+    radius = max(float(np.linalg.norm(corners[0] - middle)), 1e-6)
+    return Camera(triple(middle), up=up, radius=radius).fitted_to_turns(corners, aspect)
+
+
 def camera_at(clip: Clip, size: tuple[int, int], yaw: float, pitch: float) -> Camera:
     """The whole plant from a direction, in degrees and radians above the horizon."""
-    fitted = Camera.fit(clip.bounds, clip.up, size[0] / size[1])
-    return replace(fitted, yaw=math.radians(yaw), pitch=pitch)
+    camera = fitted(clip.bounds, clip.up, size[0] / size[1])
+    return replace(camera, yaw=math.radians(yaw), pitch=pitch)
 
 
 def read_pixels(framebuffer: moderngl.Framebuffer) -> Picture:

@@ -158,8 +158,7 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
             interface = Interface(gui, clip, plant)
             for _ in range(3):  # a panel learns its sizes as it is drawn
                 stage.paint(size, panes, style, Detail(), None)
-                screen.use()
-                stage.show(screen, size)
+                stage.show(screen)
                 interface.draw(screen, shown, WINDOW, DENSITY, panes)
             interface.organs.release()
             gui.release()

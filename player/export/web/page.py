@@ -24,7 +24,7 @@ from player.rendering.renderer import MIN_POINT_PX, scene_radius, splat_shape
 from player.rendering.shading import DEPTH_CUE
 from player.rendering.splat_radius import ClosingDistances
 from player.view.camera import Camera, axes
-from player.view.colors import Colors, format_number, resolved_color_mode
+from player.view.colors import Colors, format_number
 from player.view.dates import date_at, elapsed, short_dates
 from player.view.style import GROUNDS, ColorMode
 from traits.curves import TraitCurve, curve_svg, plotted, trait_curves
@@ -94,7 +94,7 @@ def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:
     first, last = clip.times[0], clip.times[-1]
     dates = short_dates([scan.date for scan in clip.scans])
     places = [100.0 * (time - first) / (last - first) for time in clip.times]
-    painted = resolved_color_mode(clip, film.style).painted
+    painted = film.style.color_mode(clip).painted
     scale = Colors(clip).color_scale(film.style) if painted else None
     ramp = [] if scale is None else scale.colors()[:: len(scale.colors()) // 16].tolist()
     return environment.get_template("page.html").generate(

@@ -18,9 +18,8 @@ from player.rendering import point_buffers, point_store
 from player.rendering.point_buffers import DrawRange, bytes_per_point
 from player.rendering.point_store import ChunkStore, Prefetch
 from player.rendering.renderer import Renderer
-from player.view.camera import Camera
 from player.view.style import Style
-from tests.player.drawn import drawn
+from tests.player.drawn import drawn, fitted
 from tests.player.positions import gpu_positions
 
 SIZE = (160, 120)
@@ -68,7 +67,7 @@ def test_an_interval_that_does_not_fit_is_drawn_in_chunks(
     context: moderngl.Context, make_clip, small_chunks: int
 ) -> None:
     clip = make_clip(lost=Motion.FADE)
-    camera = Camera.fit(clip.bounds)
+    camera = fitted(clip.bounds)
     chunked, whole = (drawn(context, clip, 2.1, camera, SIZE, memory=room) for room in (1, None))
     assert (whole.max(axis=2) > 60).sum() > 1000
     assert (chunked == whole).all()
@@ -125,7 +124,7 @@ def test_a_budget_draws_what_is_there(
     clip = make_clip()
     renderer = Renderer(context, clip)
     framebuffer = context.simple_framebuffer(SIZE)
-    view = (1.0, Camera.fit(clip.bounds), Style(), SIZE)
+    view = (1.0, fitted(clip.bounds), Style(), SIZE)
     assert not renderer.draw(framebuffer, *view, upload_budget=0.0)
     assert not renderer.draw(framebuffer, *view, stride=2)
     assert renderer.draw(framebuffer, *view)

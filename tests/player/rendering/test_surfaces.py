@@ -11,8 +11,8 @@ from baker.geometry.surface import covariances, surface_normals
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 from player.rendering.headless import Offscreen
-from player.view.camera import Camera
 from player.view.style import Style
+from tests.player.drawn import fitted
 
 SIZE, SIDE = (640, 480), 2.0
 
@@ -40,7 +40,7 @@ def leaf(turn: float = 0.0) -> Clip:
 def cover(clip: Clip) -> np.ndarray:
     """The area that the plant takes up in each pixel, seen along y."""
     low, high = np.full(3, -0.6 * SIDE), np.full(3, 0.6 * SIDE)
-    camera = replace(Camera.fit((low, high), aspect=SIZE[0] / SIZE[1]), yaw=-np.pi / 2, pitch=0.0)
+    camera = replace(fitted((low, high), aspect=SIZE[0] / SIZE[1]), yaw=-np.pi / 2, pitch=0.0)
     with Offscreen(clip, SIZE) as offscreen:
         alpha = offscreen.picture(0.5, camera, Style(), transparent=True)[..., 3] / 255.0
     px = SIZE[1] * float(camera.projection(1.0)[1, 1]) / 2 / camera.distance

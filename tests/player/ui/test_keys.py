@@ -1,7 +1,7 @@
 """The one table: nothing in it is ambiguous, and all of it reaches the help and the handling."""
 
 from player.ui import keys
-from player.ui.interface import FEW_TOOLS, TOOLS
+from player.ui.interface import TOOLS
 
 
 def test_no_key_means_two_things() -> None:
@@ -23,7 +23,6 @@ def test_every_named_key_is_one_that_glfw_reports() -> None:
 def test_every_button_does_an_action() -> None:
     for name in TOOLS:
         assert keys.ACTIONS[name].help
-    assert set(FEW_TOOLS) < set(TOOLS)
 
 
 def test_the_help_lists_every_key_and_every_drag() -> None:

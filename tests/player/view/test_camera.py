@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from player.view.camera import Camera, axes, outline
+from tests.player.drawn import fitted
 
 UP_AXES = ("x", "y", "z", "-x", "-y", "-z")
 
@@ -37,13 +38,13 @@ def test_axes_are_a_rotation(up: str) -> None:
 @pytest.mark.parametrize("up", UP_AXES)
 @given(yaw=st.floats(-7, 7), aspect=st.floats(0.3, 3.0))
 def test_a_fitted_box_is_in_the_picture_from_every_yaw(up: str, yaw: float, aspect: float) -> None:
-    camera = Camera.fit(BOX, up, aspect).orbit(yaw, 0.0)
+    camera = fitted(BOX, up, aspect).orbit(yaw, 0.0)
     assert np.abs(on_screen(camera, corners(), aspect)).max() <= 1.0
 
 
 @given(yaw=st.floats(-7, 7), pitch=st.floats(-7, 7))
 def test_up_points_up_and_the_target_stays_in_the_middle(yaw: float, pitch: float) -> None:
-    camera = Camera.fit(BOX).orbit(yaw, pitch)
+    camera = fitted(BOX).orbit(yaw, pitch)
     target = np.array([camera.target])
     assert np.allclose(on_screen(camera, target, 1.5)[0, :2], 0.0, atol=1e-9)
     assert on_screen(camera, target + np.array([0, 0, 1]), 1.5)[0, 1] > 0.0
@@ -51,13 +52,13 @@ def test_up_points_up_and_the_target_stays_in_the_middle(yaw: float, pitch: floa
 
 
 def test_pan_moves_the_picture_by_shares_of_its_height() -> None:
-    camera = Camera.fit(BOX)
+    camera = fitted(BOX)
     target = np.array([camera.target])
     assert np.allclose(on_screen(camera.pan(0.1, 0.2), target, 2.0)[0, :2], [0.1, 0.4])
 
 
 def test_zoom_comes_nearer_and_never_through_the_target() -> None:
-    camera = Camera.fit(BOX)
+    camera = fitted(BOX)
     assert camera.zoom(2.0).distance == pytest.approx(camera.distance / 2)
     nearest = camera.zoom(1e9)
     assert nearest.distance > 0.0
@@ -90,7 +91,7 @@ def test_home_shows_the_whole_clip_and_fills_the_picture(make_clip, aspect: floa
 
 @pytest.mark.parametrize("factor", [0.5, 1.3, 4.0])
 def test_zooming_keeps_what_is_under_the_cursor(factor: float) -> None:
-    camera = Camera.fit(BOX).orbit(0.3, 0.2)
+    camera = fitted(BOX).orbit(0.3, 0.2)
     right, up = 0.21, -0.33
     matrix = camera.projection(1.5) @ camera.view()
     # A point at the target's depth, under the cursor.
@@ -103,7 +104,7 @@ def test_zooming_keeps_what_is_under_the_cursor(factor: float) -> None:
 
 
 def test_parallels_stay_parallel_in_the_flat_view() -> None:
-    camera = Camera.fit(BOX)
+    camera = fitted(BOX)
     flat = camera.with_orthographic(True)
     assert flat.orthographic
     assert not camera.orthographic

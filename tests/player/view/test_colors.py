@@ -10,7 +10,7 @@ from gclip.evaluate import srgb_to_linear
 from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
-from player.view.colors import Colors, ScalarField, nice_ceil, resolved_color_mode
+from player.view.colors import Colors, ScalarField, nice_ceil
 from player.view.style import Style
 from tests.player.conftest import ClipMaker
 
@@ -119,9 +119,9 @@ def test_age_counts_from_birth(make_clip: ClipMaker) -> None:
 
 def test_what_a_style_comes_to(make_clip: ClipMaker) -> None:
     bare, colored = make_clip(), make_clip(colors=((0, 0, 0, 255), (9, 9, 9, 255)))
-    assert resolved_color_mode(bare, Style()) == "track"
-    assert resolved_color_mode(colored, Style()) == "scan"
-    assert resolved_color_mode(bare, Style(color_by="scan")) == "track"
+    assert Style().color_mode(bare) == "track"
+    assert Style().color_mode(colored) == "scan"
+    assert Style(color_by="scan").color_mode(bare) == "track"
     assert Colors(bare).scalar_field(Style(color_by="age")) is ScalarField.NONE
     assert Colors(bare).color_scale(Style(color_by="track")) is None
 

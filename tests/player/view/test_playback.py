@@ -46,7 +46,7 @@ def test_the_frame_rate_does_not_matter(clock: Timeline, frames: int) -> None:
 def test_half_the_seconds_at_twice_the_speed() -> None:
     clock = Timeline.of([0.0, 1.0, 2.0, 8.0]).played()
     assert clock.faster().tick(1.0).day == pytest.approx(clock.tick(2.0).day)
-    assert clock.slower().tick(2.0).day == pytest.approx(clock.tick(1.0).day)
+    assert clock.faster(-1).tick(2.0).day == pytest.approx(clock.tick(1.0).day)
 
 
 def test_a_stopped_clock_stands() -> None:
@@ -105,7 +105,7 @@ def test_speeds_end_where_the_table_ends() -> None:
         clock = clock.faster()
     assert clock.speed == SPEEDS[-1]
     for _ in range(20):
-        clock = clock.slower()
+        clock = clock.faster(-1)
     assert clock.speed == SPEEDS[0]
 
 
@@ -155,7 +155,7 @@ def test_a_range_is_played_and_nothing_else() -> None:
     clock = replace(
         Timeline.of([0.0, 2.0, 4.0]).at(1.0).begun_here().at(3.0).ended_here().at(1.0), playing=True
     )
-    assert (clock.lower, clock.upper) == (1.0, 3.0)
+    assert (clock.begin, clock.end) == (1.0, 3.0)
     seen = []
     for _ in range(400):
         clock = clock.tick(0.05)
@@ -173,14 +173,14 @@ def test_playing_from_outside_a_range_begins_at_its_beginning() -> None:
 
 def test_ranges_never_turn_inside_out() -> None:
     clock = Timeline.of([0.0, 2.0, 4.0]).at(1.0).ended_here().at(3.0).begun_here()
-    assert (clock.lower, clock.upper) == (3.0, 4.0)
+    assert (clock.begin, clock.end) == (3.0, 4.0)
     clock = clock.at(2.0).ended_here()
-    assert (clock.lower, clock.upper) == (0.0, 2.0)
-    assert clock.unbounded() == replace(clock, begin=None, end=None)
+    assert (clock.begin, clock.end) == (0.0, 2.0)
+    assert clock.unbounded() == replace(clock, begin=0.0, end=4.0)
 
 
 def test_frames_there_and_back() -> None:
     clock = Timeline.of([0.0, 2.0, 4.0]).at(1.0)
-    there = clock.framed(1)
+    there = clock.moved(clock.days_per_second / 30)
     assert 0.0 < there.day - 1.0 < 0.1
-    assert there.framed(-1).day == pytest.approx(1.0)
+    assert there.moved(-clock.days_per_second / 30).day == pytest.approx(1.0)

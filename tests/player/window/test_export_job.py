@@ -4,13 +4,16 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from player.atomic_write import free_name
 from player.export.film import Film
-from player.window.export_job import ExportJob
+from player.window.export_job import Exports
 from tests.player.conftest import ClipMaker
+from tests.player.desk import scene_of
+from tests.player.shown import small_clip
 
 LONG = Film(size=(640, 480), seconds=600.0)
 
@@ -21,12 +24,19 @@ def saved(make_clip: ClipMaker, tmp_path: Path) -> Path:
     return tmp_path / "plant.gclip"
 
 
-def ended(export: ExportJob) -> str:
+def begun_export(*job: Any) -> Exports:
+    exports = Exports()
+    exports.begin(*job)
+    return exports
+
+
+def ended(exports: Exports) -> str:
+    scene = scene_of(small_clip())
     deadline = time.monotonic() + 120.0
-    while not export.look().ended:
+    while not (scene := exports.followed(scene)).notice:
         assert time.monotonic() < deadline
         time.sleep(0.05)
-    return export.state.ended
+    return scene.notice
 
 
 def begun(folder: Path) -> None:
@@ -37,18 +47,18 @@ def begun(folder: Path) -> None:
 
 
 def test_it_ends_with_a_file(saved: Path) -> None:
-    export = ExportJob(saved, Film(size=(64, 48), at=(1.0,)), saved.parent / "still.png")
+    export = begun_export(saved, Film(size=(64, 48), at=(1.0,)), saved.parent / "still.png")
     assert "Saved" in ended(export)
     assert (saved.parent / "still.png").is_file()
 
 
 def test_what_fails_says_so_in_one_sentence(saved: Path) -> None:
-    export = ExportJob(saved.parent / "none.gclip", Film(), saved.parent / "a.png")
+    export = begun_export(saved.parent / "none.gclip", Film(), saved.parent / "a.png")
     assert "none.gclip" in ended(export)
 
 
 def test_a_stopped_one_leaves_nothing(saved: Path) -> None:
-    export = ExportJob(saved, LONG, saved.parent / "out.mp4")
+    export = begun_export(saved, LONG, saved.parent / "out.mp4")
     begun(saved.parent)
     export.stop()
     assert "Stopped" in ended(export)
@@ -61,11 +71,12 @@ import sys, time
 from pathlib import Path
 from player.export.film import Film
 from player.atomic_write import free_name
-from player.window.export_job import ExportJob
+from player.window.export_job import Exports
 if __name__ == "__main__":
     folder = Path({str(saved.parent)!r})
     film = Film(size=(640, 480), seconds=600.0)
-    export = ExportJob(folder / "plant.gclip", film, folder / "out.mp4")
+    exports = Exports()
+    exports.begin(folder / "plant.gclip", film, folder / "out.mp4")
     time.sleep(600)
 """
     window = subprocess.Popen([sys.executable, "-c", code])

@@ -3,14 +3,13 @@
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from player.view.camera import Camera
 from player.view.playback import Timeline
 from player.view.state import Scene
 from player.view.style import Style
-from player.window.launch import LaunchOptions, start
+from player.window.launch import start
 from player.window.settings import FILE, Settings, load_settings, save_settings
 
 
@@ -66,12 +65,12 @@ def test_a_narrow_window_begins_without_the_panel_and_a_wide_one_still_has_it(
         clips: object, style: Style, size: tuple[int, int], changes: Any, **rest: Any
     ) -> tuple:
         timeline = Timeline.of((0.0, 1.0))
-        camera = Camera.fit((np.zeros(3), np.ones(3)))
+        camera = Camera()
         scene = Scene(timeline, camera, camera, style, (), **changes)
         seen.append(scene.panel)
         return scene, size
 
     monkeypatch.setattr("player.window.launch.show", shown)
-    start([clip_file], Style(), LaunchOptions(size=(width, 700)))
+    start([clip_file], Style(), size=(width, 700))
     assert seen == [opened]
     assert load_settings().panel is not False

@@ -126,7 +126,7 @@ def test_a_range_is_set_by_keys(shown: Shown) -> None:
     shown.key("Next", "o")
     shown.until(lambda state: state["end"] == 2.0)
     shown.key("u")
-    shown.until(lambda state: state["end"] is None)
+    shown.until(lambda state: state["end"] == TIMES[-1])
 
 
 def test_the_wipe_is_dragged(shown: Shown) -> None:

@@ -128,7 +128,7 @@ def test_side_by_side_and_back_keeps_what_is_seen_of_the_plant() -> None:
     beside = fitted(first, (150.0, 700.0))
     assert beside.camera.distance / beside.home.distance == pytest.approx(1 / 1.5)
     assert beside.camera.distance > first.camera.distance, "farther, to be seen whole"
-    assert beside.camera.yaw == first.camera.yaw
+    assert beside.camera.yaw == pytest.approx(first.camera.yaw)
     back = fitted(beside, (1000.0, 700.0))
     assert back.camera.distance == pytest.approx(first.camera.distance)
 
@@ -138,10 +138,10 @@ def test_a_plot_over_the_timeline_hides_nothing_of_the_plant(turn: float) -> Non
     clip, size, plot = small_clip(), (1000.0, 700.0), 96.0
     home = home_camera(clip, size)
     first = Scene(Timeline.of(clip.times), home.orbit(turn, 0.0), home, Style(), (clip,))
-    raised = fitted(first, size, plot, 0.0)
+    raised = fitted(first, size, plot)
     lower, higher = (_lowest(clip, scene.camera, size) for scene in (first, raised))
     assert higher - lower == pytest.approx(plot, abs=15.0)
-    back = fitted(raised, size, 0.0, plot)
+    back = fitted(raised, size)
     assert back.camera.distance == pytest.approx(first.camera.distance)
     assert back.camera.target == pytest.approx(first.camera.target)
 
