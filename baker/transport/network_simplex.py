@@ -39,7 +39,6 @@ from gclip.compiled import compiled
 NO_NODE: Any = np.uint32(0xFFFFFFFF)
 TOLERANCE = 1e-12  # share of the largest cost; reduced costs above minus this are not negative
 UNBOUNDED = 2**62
-BLOCK_SIZE: Any = np.uint32(16)  # columns that are priced together
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -171,14 +170,12 @@ def network_simplex(
         if not exhaustive:
             return
         # Price all pairs once, row by row, and then near ones again, until no arc enters.
-        blocks = _blocks(tree, rows)
         node, idle, priced, entered = np.uint32(0), np.uint32(0), np.uint32(0), False
         while idle < rows and (near.shape[1] == 0 or priced < rows):
-            reduced, partner = _price_all(tree, rows, blocks, node, power, -tolerance)
+            reduced, partner = _price_all(tree, rows, node, power, -tolerance)
             idle, priced = idle + np.uint32(1), priced + np.uint32(1)
             if partner != NO_NODE:
                 _pivot(tree, rows, node, partner, reduced, np.int64(0))
-                _update_potentials(tree, rows, blocks)
                 idle, entered = np.uint32(0), True
             node = np.uint32(node + 1) if node + 1 < rows else np.uint32(0)
         if near.shape[1] == 0 or not entered:
@@ -261,57 +258,14 @@ def _price_near(tree: Tree, near: Ints, v: Node, power: int, limit: float) -> tu
 
 
 @compiled
-def _price_all(
-    tree: Tree, n: Node, blocks: Floats, row: Node, power: int, limit: float
-) -> tuple[float, Node]:
-    """The least reduced cost below the limit of a row's arcs, and the column.
-
-    Only blocks of columns are examined whose bounding box and largest potential allow such a cost.
-    """
-    best, stop = NO_NODE, np.uint32(len(tree) - 1)
-    x, y, z = tree[row].x, tree[row].y, tree[row].z
-    for block in range(len(blocks)):
-        box = blocks[block]
-        dx = max(box[0] - x, x - box[3], 0.0)
-        dy = max(box[1] - y, y - box[4], 0.0)
-        dz = max(box[2] - z, z - box[5], 0.0)
-        cost = dx * dx + dy * dy + dz * dz
-        if power == 1:
-            cost = np.sqrt(cost)
-        if cost - tree[row].potential - box[6] < limit:
-            begin = n + np.uint32(block) * BLOCK_SIZE
-            for column in range(begin, min(begin + BLOCK_SIZE, stop)):
-                cost = _reduced_cost(tree, row, np.uint32(column), power)
-                if cost < limit:
-                    limit, best = cost, np.uint32(column)
-    return limit, best
-
-
-@compiled
-def _blocks(tree: Tree, n: Node) -> Floats:
-    """(blocks, 7) lower and upper corner of each block of columns, and its largest potential.
-
-    Equivalent to ``[[*xyz.min(axis=0), *xyz.max(axis=0), potential.max()] for each 16 columns]``.
-    """
-    stop = np.uint32(len(tree) - 1)
-    blocks = np.full(((stop - n + BLOCK_SIZE - 1) // BLOCK_SIZE, 7), -np.inf)
-    blocks[:, :3] = np.inf
-    for column in range(n, stop):
-        box = blocks[(column - n) // BLOCK_SIZE]
-        x, y, z = tree[column].x, tree[column].y, tree[column].z
-        box[0], box[1], box[2] = min(box[0], x), min(box[1], y), min(box[2], z)
-        box[3], box[4], box[5] = max(box[3], x), max(box[4], y), max(box[5], z)
-        box[6] = max(box[6], tree[column].potential)
-    return blocks
-
-
-@compiled
-def _update_potentials(tree: Tree, n: Node, blocks: Floats) -> None:
-    """Update the largest potential of each block."""
-    blocks[:, 6] = -np.inf
+def _price_all(tree: Tree, n: Node, row: Node, power: int, limit: float) -> tuple[float, Node]:
+    """The least reduced cost below the limit of a row's arcs, and the column."""
+    best = NO_NODE
     for column in range(n, np.uint32(len(tree) - 1)):
-        block = (column - n) // BLOCK_SIZE
-        blocks[block, 6] = max(blocks[block, 6], tree[column].potential)
+        cost = _reduced_cost(tree, row, np.uint32(column), power)
+        if cost < limit:
+            limit, best = cost, np.uint32(column)
+    return limit, best
 
 
 @compiled

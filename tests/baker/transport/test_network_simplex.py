@@ -5,13 +5,7 @@ import pytest
 from scipy.optimize import linprog
 from scipy.spatial.distance import cdist
 
-from baker.transport.network_simplex import (
-    BLOCK_SIZE,
-    NODE,
-    _blocks,
-    _reduced_cost,
-    improve_cells,
-)
+from baker.transport.network_simplex import NODE, _reduced_cost, improve_cells
 from baker.transport.problem import uniform_masses
 from baker.transport.space_partition import bisection_plan
 from tests.baker.transport.transport_clouds import leaf
@@ -105,7 +99,7 @@ def test_neighbours_partners_lead_near_the_optimum():
     assert cost_of(start, end, *plan) <= optimum(start, end, supply, demand, 2) * 1.001
 
 
-def test_loops_compute_what_numpy_does():
+def test_reduced_costs_are_what_numpy_computes():
     random = np.random.default_rng(0)
     n, m = 9, 40
     tree = np.zeros(n + m + 1, NODE)
@@ -117,9 +111,3 @@ def test_loops_compute_what_numpy_does():
         costs = cdist(places[:n], places[n:]) ** power - prices[:n, None] - prices[n:]
         found = [[_reduced_cost(tree, i, n + j, power) for j in range(m)] for i in range(n)]
         np.testing.assert_allclose(found, costs)
-    blocks = _blocks(tree, n)
-    for k, box in enumerate(blocks):
-        own = slice(n + k * int(BLOCK_SIZE), min(n + (k + 1) * int(BLOCK_SIZE), n + m))
-        expected = [*places[own].min(axis=0), *places[own].max(axis=0), prices[own].max()]
-        np.testing.assert_array_equal(box, expected)
-    assert len(blocks) == 3
