@@ -1,5 +1,7 @@
-"""The panel at the window's right: every choice in sight, and its key in a tip."""
+"""The panel at the window's right: every choice in sight, and each of them has a key as well."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 from imgui_bundle import imgui, imgui_ctx
@@ -19,8 +21,8 @@ from player.view.style import ColorMode
 WIDTH = 272.0
 LEAST_BESIDE = 300.0  # what it leaves to the plant
 LEAST_HEIGHT = 200.0  # below which it takes the whole window's
-SMALL = 13.5  # size of notes
-LABEL, EYE = 80.0, 26.0  # widths
+SMALL = 13.5  # size of keys and of notes
+LABEL, VALUE, EYE = 74.0, 46.0, 26.0  # widths
 POINT_SIZES, STRONGEST = (0.2, 5.0), 2.0  # of points and of the shading, at the sliders' ends
 SLIDERS = {"larger": "Points", "shading": "Shading"}  # in place of the actions
 DOT, SEEN, HIDDEN, REMOVE = "\uf111", "\uf06e", "\uf070", "\uf00d"  # icons
@@ -60,9 +62,7 @@ def draw_panel(
             with imgui_ctx.push_font(gui.bold, 15.0):
                 shown = imgui.collapsing_header(title)
             if shown:
-                imgui.push_item_width(-LABEL)
                 scene = _controls(scene, title)
-                imgui.pop_item_width()
                 scene = section(scene) if section else scene
     return scene
 
@@ -177,20 +177,43 @@ def _icon(icon: str) -> bool:
         return bool(imgui.button(icon))
 
 
+@contextmanager
+def _row(label: str, action: str, kept: float = 0.0) -> Iterator[None]:
+    """A label, a control, and the key that does the same; `kept` is left beside the control."""
+    imgui.align_text_to_frame_padding()
+    imgui.text_disabled(label)
+    imgui.same_line(PADDING + LABEL)
+    key = imgui.calc_text_size(keys.ACTIONS[action].labels[0]).x
+    imgui.set_next_item_width(-kept - 12.0 - max(key, 14.0))
+    yield
+    _key(action)
+
+
+def _key(action: str) -> None:
+    """The key that does the same, at the end of the row."""
+    imgui.same_line()
+    with imgui_ctx.push_font(None, SMALL):
+        label = keys.ACTIONS[action].labels[0]
+        left = imgui.get_content_region_avail().x - imgui.calc_text_size(label).x
+        imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + left)
+        imgui.text_disabled(label)
+
+
 def _choice(scene: Scene, choice: Choice, action: str) -> Scene:
     """A list to choose from."""
     now = choice.now(scene)
-    if imgui.begin_combo(f"{choice.label}###{choice.field}", choice.name(now)):
-        for value in choice.values(scene):
-            if imgui.selectable(choice.name(value), value == now)[0]:
-                scene = choice.choose(scene, value)
-        imgui.end_combo()
-    tip(action)
+    with _row(choice.label, action):
+        if imgui.begin_combo(f"##{choice.field}", choice.name(now)):
+            for value in choice.values(scene):
+                if imgui.selectable(choice.name(value), value == now)[0]:
+                    scene = choice.choose(scene, value)
+            imgui.end_combo()
+        tip(action)
     return scene
 
 
 def _slider(scene: Scene, name: str) -> Scene:
-    """For the strength of the shading or the size of points, and in it how that reads."""
+    """For the strength of the shading or the size of points, and beside it how that reads."""
     style, flags = scene.style, imgui.SliderFlags_
     if name == "shading":
         field, low, high, text = "eye_dome", 0.0, STRONGEST, f"{style.eye_dome:.0%}"
@@ -199,9 +222,11 @@ def _slider(scene: Scene, name: str) -> Scene:
     else:
         field, low, high, text = "point_size", *POINT_SIZES, f"{style.point_size:.0%}"
     how = flags.no_input | (flags.logarithmic if low else flags.none)
-    value, format = getattr(style, field), text.replace("%", "%%")
-    changed, value = imgui.slider_float(SLIDERS[name], value, low, high, format, how)
-    tip(name)
+    with _row(SLIDERS[name], name, VALUE):
+        changed, value = imgui.slider_float(f"##{name}", getattr(style, field), low, high, "", how)
+        tip(name)
+        imgui.same_line()
+        imgui.text_unformatted(text)
     return scene.changed(f"style.{field}", value) if changed else scene
 
 
@@ -210,4 +235,5 @@ def _switch(scene: Scene, action: Action) -> Scene:
     on = bool(action.on and action.on(scene))
     changed, _ = imgui.checkbox(f"{action.help.capitalize()}###{action.name}", on)
     tip(action.name)
+    _key(action.name)
     return action.do(scene) if changed else scene
