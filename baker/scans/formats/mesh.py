@@ -57,22 +57,22 @@ def _read_by_open3d(path: Path) -> Mesh:
 
 def _without_links(path: Path, folder: Path) -> Path:
     """The file, or a copy in `folder`, which makes Open3D open no file outside of its folder."""
-    suffix = path.suffix.lower()
-    if suffix == ".stl":
-        return path
-    content = path.read_bytes()
+    suffix, content = path.suffix.lower(), path.read_bytes()
     if suffix == ".obj":
-        copy = folder / path.name
-        copy.write_bytes(_triangulated(content))
-        return copy
-    if suffix == ".glb":
-        content = content[20 : 20 + int.from_bytes(content[12:16], "little")]
-    document = json.loads(content)
-    for parts in (document.get("buffers", ()), document.get("images", ())):
-        for part in parts.values() if isinstance(parts, dict) else parts:  # a dict in glTF 1.0
-            if ".." in re.split(r"[/\\]", part.get("uri", "")):
-                raise FormatError(f"refers to '{excerpt(part['uri'])}', outside of its folder.")
+        path = folder / path.name
+        path.write_bytes(_triangulated(content))
+    elif suffix == ".glb":
+        size = int.from_bytes(content[12:16], "little")
+        json.loads(content[20 : 20 + size], object_hook=_require_inside)
+    elif suffix == ".gltf":
+        json.loads(content, object_hook=_require_inside)
     return path
+
+
+def _require_inside(part: dict) -> None:
+    """Refuse a part of a glTF document that refers to a file outside of the document's folder."""
+    if ".." in re.split(r"[/\\]", part.get("uri", "")):
+        raise FormatError(f"refers to '{excerpt(part['uri'])}', outside of its folder.")
 
 
 def _triangulated(content: bytes) -> bytes:
