@@ -69,15 +69,17 @@ def schedule_frames(
     if times_file is not None or len(slots) < len(frames):
         return schedule_scans(paths, times_file, from_folder=True)
 
+    moments = []
     for frame, slot in zip(frames, slots, strict=True):
-        if int(slot["slot"]) >= per_day:
+        day, number = int(slot["day"]), int(slot["slot"])
+        if number >= per_day:
             raise InputError(
-                f"'{frame.color}' is number {int(slot['slot'])} of its day, but a day has "
-                f"{per_day} images, 0 to {per_day - 1}; set per_day in the camera's file (24 "
-                "where the number is the hour)."
+                f"'{frame.color}' is number {number} of its day, but a day has {per_day} images, "
+                f"0 to {per_day - 1}; set per_day in the camera's file (24 where the number is "
+                "the hour)."
             )
-    times = [int(slot["day"]) + int(slot["slot"]) / per_day for slot in slots]
-    moments = [Moment(time, f"day {time:.2f}") for time in times]
+        time = day + number / per_day
+        moments.append(Moment(time, f"day {time:.2f}"))
     rule = f"from day and number in the names, {per_day} images a day"
     return schedule_in_time(paths, [path.name for path in paths], moments, rule)
 
@@ -153,8 +155,7 @@ class ImageSeries:
             depth = depth[top : top + height, left : left + width]
         labels = read_labels(frame.label) if frame.label else None
         painted = read_mask(frame.mask) if frame.mask else np.zeros(depth.shape, bool)
-        images = ((frame.depth, depth), (frame.label, labels), (frame.mask, painted))
-        for path, image in images:
+        for path, image in zip(frame[2:], (depth, labels, painted), strict=True):
             if image is not None and image.shape != (height, width):
                 raise InputError(
                     f"'{path}' is {image.shape[1]}x{image.shape[0]} pixels, but "
