@@ -32,7 +32,8 @@ def read(path: Path) -> Columns:
     header, body = content[: end.end()].decode("latin-1"), content[end.end() :]
     words = {key: values for key, *values in map(str.split, filter(str.strip, header.split("\n")))}
     record = _record(words)
-    names, widths = list(record.names or ()), [record[k].shape[0] for k in range(len(record))]
+    names = record.names or ()
+    widths = [record[name].shape[0] for name in names]
     count, form = int(words["POINTS"][0]), words["DATA"][0]
     least = {
         "ascii": 2 * sum(widths) - 1,

@@ -107,10 +107,12 @@ def _read_element(body: memoryview, offset: int, count: int, types: Types) -> tu
             return {name: rows[name] for name in types}, offset + rows.nbytes
     values, end = _read_rows(body, offset, count, types)
     scalars = {name: np.concatenate(values[name]) for name in types if not types[name][1]}
-    return values | scalars, end
+    return {**values, **scalars}, end
 
 
-def _read_rows(body: memoryview, offset: int, count: int, types: Types) -> tuple[Values, int]:
+def _read_rows(
+    body: memoryview, offset: int, count: int, types: Types
+) -> tuple[dict[str, list[NDArray]], int]:
     """Read `count` rows one by one, with lists of any length; also returns the end's offset."""
 
     def take(kind: str, number: int) -> NDArray:
