@@ -65,11 +65,6 @@ class FormatError(Exception):
         super().__init__(sentence)
         self.line = line
 
-    def about(self, name: object) -> str:
-        """The message with the file's name in front of it."""
-        place = "" if self.line is None else f", line {self.line}:"
-        return f"'{name}'{place} {self}"
-
 
 def require_room(count: int, size: float, room: int) -> None:
     """Raise FormatError unless `room` bytes can hold `count` points of at least `size` bytes each.
@@ -144,7 +139,8 @@ def read_columns(
         if not any(map(len, columns.values.values())):
             raise FormatError("holds no points.")
     except FormatError as fault:
-        raise InputError(fault.about(path)) from fault
+        place = "" if fault.line is None else f", line {fault.line}:"
+        raise InputError(f"'{path}'{place} {fault}") from fault
     return columns
 
 
