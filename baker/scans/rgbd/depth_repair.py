@@ -51,7 +51,7 @@ def repair(
     reason : (H, W) uint8
         Why depth was unknown, an index of `REASONS`.
     """
-    from scipy.ndimage import binary_dilation, maximum_filter, minimum_filter
+    from scipy.ndimage import find_objects, maximum_filter, minimum_filter
 
     options = options or RepairOptions()
     plant = labels != background
@@ -61,29 +61,42 @@ def repair(
     reason[depth <= 0] = MISSING
     reason[~plant] = VALID
     size = 2 * options.band + 1
-    is_border = maximum_filter(labels, size) != minimum_filter(labels, size)
+    in_band = maximum_filter(labels, size) != minimum_filter(labels, size)
     repaired = np.zeros(labels.shape)
-    for label in np.unique(labels[plant]):
-        inside = labels == label
-        measured = inside & (reason == VALID)
-        if not measured.any():
-            continue
-        surface = _polynomial_surface(depth, measured)
-        deviation = depth - surface
-        noise = 1.4826 * np.median(np.abs(deviation[measured]))
-        in_band = measured & is_border
-        jumps = in_band & (np.abs(deviation) > max(options.jump, NOISE_SIGMAS * noise))
-        # Pixels next to unknown depth are likely a mixture of both sides.
-        unknown = inside & ~measured | jumps
-        beside = in_band & ~jumps & binary_dilation(unknown, np.ones((3, 3)))
-        reason[jumps], reason[beside] = JUMP, BESIDE
-        valid = measured & ~jumps & ~beside
-        weight, total = _diffuse(valid), _diffuse(np.where(valid, deviation, 0.0))
-        reached = inside & (weight > 0)
-        mean = total[reached] / weight[reached]
-        repaired[reached] = np.maximum(surface[reached] + mean, 0.0)  # not behind the camera
-        repaired[valid] = depth[valid]
+    number = np.unique(labels, return_inverse=True)[1].reshape(labels.shape)
+    for k, box in enumerate(find_objects(number + 1)):
+        inside = plant[box] & (number[box] == k)
+        if (inside & (reason[box] == VALID)).any():
+            filled = _repair_label(depth[box], inside, in_band[box], reason[box], options)
+            repaired[box][inside] = filled[inside]
     return repaired, reason
+
+
+def _repair_label(
+    depth: NDArray[np.float64],
+    inside: NDArray[np.bool_],
+    in_band: NDArray[np.bool_],
+    reason: NDArray[np.uint8],
+    options: RepairOptions,
+) -> NDArray[np.float64]:
+    """Mark implausible depth of one label in `reason`; return the label's depth without it."""
+    from scipy.ndimage import binary_dilation
+
+    measured = inside & (reason == VALID)
+    surface = _polynomial_surface(depth, measured)
+    deviation = depth - surface
+    noise = 1.4826 * np.median(np.abs(deviation[measured]))
+    jumps = measured & in_band & (np.abs(deviation) > max(options.jump, NOISE_SIGMAS * noise))
+    # Pixels next to unknown depth are likely a mixture of both sides.
+    unknown = binary_dilation(inside & ~measured | jumps, np.ones((3, 3)))
+    beside = measured & in_band & ~jumps & unknown
+    reason[jumps], reason[beside] = JUMP, BESIDE
+    valid = measured & ~jumps & ~beside
+    weight, total = _diffuse(valid), _diffuse(np.where(valid, deviation, 0.0))
+    # 0 where no valid depth is in reach, or the filled depth would be behind the camera.
+    mean = np.divide(total, weight, out=-surface, where=weight > 0)
+    filled = np.maximum(surface + mean, 0.0)
+    return np.where(valid, depth, filled)
 
 
 def _polynomial_surface(
