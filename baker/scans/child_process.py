@@ -58,16 +58,16 @@ class ChildProcess:
             try:
                 pickle.dump((memory, function, arguments), calls)
                 calls.flush()
-                result, error = pickle.load(results)
+                result = pickle.load(results)
             except (EOFError, OSError, pickle.UnpicklingError):
                 self._process.communicate()
                 code = self._process.returncode
                 how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
                 raise ChildEnded(f"its reader was ended {how}") from None
-        if isinstance(error, MemoryError):
+        if isinstance(result, MemoryError):
             raise ChildEnded(f"reading it takes more than {memory >> 30} GiB of memory")
-        if error is not None:
-            raise error
+        if isinstance(result, BaseException):
+            raise result
         return result
 
 
@@ -81,12 +81,11 @@ def serve() -> None:
         while True:
             memory, function, arguments = pickle.load(calls)
             _limit_memory(memory)
-            outcome: tuple[Any, BaseException | None]
             try:
-                outcome = function(*arguments), None
+                result = function(*arguments)
             except BaseException as error:
-                outcome = None, error
-            pickle.dump(outcome, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
+                result = error
+            pickle.dump(result, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
             results.flush()
 
 

@@ -204,7 +204,6 @@ per_day = 6
 [images]
 color = "rgb_*.png"
 [repair]
-ring = 1
 band = 6
 jump = 2.0
 """

@@ -102,7 +102,7 @@ def test_fields_of_many_values_make_no_room(tmp_path):
         f"FIELDS {' '.join(f'f{i}' for i in range(many))}\nSIZE{' 4' * many}\nTYPE{' F' * many}\n"
         f"COUNT{' 4095' * many}\nPOINTS 1\nDATA binary\n"
     )
-    assert "more than 10000 values" in refused(tmp_path / "a.pcd", header.encode())
+    assert "announces 1 points" in refused(tmp_path / "a.pcd", header.encode())
 
 
 @pytest.mark.parametrize("unit", [b"1 ", b"1,", b"x,", b"a", b" ", b"#", b"\t"])
@@ -144,7 +144,7 @@ def test_sizes_that_lie_end_no_bake(tmp_path):
                 read_columns(path, (), child)
 
 
-@pytest.mark.parametrize("side", [9_999, 10_001, 15_000, 60_000])
+@pytest.mark.parametrize("side", [9_999, 13_000, 14_000, 60_000])
 def test_a_picture_of_too_many_pixels_is_not_unpacked(side, tmp_path):
     path = tmp_path / "rgb_a.png"
     chunks = ((b"IHDR", struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)), (b"IDAT", b""))
@@ -155,7 +155,7 @@ def test_a_picture_of_too_many_pixels_is_not_unpacked(side, tmp_path):
             for name, body in chunks
         )
     )
-    said = "bytes can't hold so many" if side == 9_999 else "has more than 100 million pixels"
+    said = "bytes can't hold so many" if side < 13_500 else "exceeds limit of"
     with pytest.raises(InputError, match=said):
         read_pixels(path, "RGB", "RGB")
 
@@ -198,7 +198,7 @@ def test_what_a_file_says_cannot_command_the_terminal(tmp_path):
         ("camera.toml", lambda text: text.replace("depth_unit = 1", "depth_unit = 1e999")),
         ("camera.toml", lambda text: text.replace("[0, 0]", "[true, 0]")),
         ("camera.toml", lambda text: text.replace("[0, 0]", f"[{10**30}, 0]")),
-        ("camera.toml", lambda text: text.replace("ring = 1", "ring = 100000000")),
+        ("camera.toml", lambda text: text.replace("band = 6", "band = 100000000")),
         ("camera.toml", lambda text: text.replace("background = 0", f"background = {2**70}")),
         ("camera.toml", lambda text: text.replace("cx = 8", "cx = -1e300")),
     ],

@@ -49,7 +49,7 @@ def border_errors(folder: Path, camera: Camera, frame: Frame) -> tuple[NDArray, 
     )
     truth = read_depth(folder / "truth" / frame.depth.name, camera.depth_unit)
     true_labels = read_labels(folder / "truth" / frame.depth.name.replace("depth", "label"))
-    repaired = repair(measured, labels).depth
+    repaired, _ = repair(measured, labels)
     border = near_border(labels, 3) & (labels == true_labels)
     before, after = border & (measured > 0), border & (repaired > 0)
     assert after.sum() > before.sum()

@@ -19,7 +19,7 @@ from tempfile import TemporaryDirectory
 from numpy.typing import NDArray
 
 from baker.errors import InputError, input_errors
-from baker.scans.child_process import ChildEnded, ChildProcess
+from baker.scans.child_process import ChildProcess
 
 READERS = {
     ".ply": "ply",
@@ -64,11 +64,6 @@ class FormatError(Exception):
     def __init__(self, sentence: str, line: int | None = None) -> None:
         super().__init__(sentence)
         self.line = line
-
-    def about(self, name: object) -> str:
-        """The message with the file's name in front of it."""
-        place = "" if self.line is None else f", line {self.line}:"
-        return f"'{name}'{place} {self}"
 
 
 def require_room(count: int, size: float, room: int) -> None:
@@ -132,45 +127,39 @@ def read_columns(
         If the suffix is unknown, or the file can't be opened or is damaged.
     """
     require_known(path)
-    kind = suffix_of(path)
-    reader = READERS[kind]
+    reader = READERS[suffix_of(path)]
     if names and reader != "text":
         raise InputError(f"'{path}' is no text table: leave out --columns.")
-    arguments = [names] if names else []
     try:
         with input_errors(path), _unpacked(path) as plain:
             with plain.open("rb") as file:  # messages of libraries don't name permissions, folders
                 if not file.read(1):
                     raise FormatError("is an empty file.")
-            if child and reader in NATIVE:
-                memory = NATIVE_BYTES + BYTES_PER_BYTE * plain.stat().st_size
-                columns: Columns = child.call(memory, _read, reader, plain, *arguments)
-            else:
-                columns = _read(reader, plain, *arguments)
+            columns = _read(reader, plain, names, child if reader in NATIVE else None)
         if not any(map(len, columns.values.values())):
             raise FormatError("holds no points.")
-    except ChildEnded as error:
-        raise InputError(FormatError(_unsound(kind, str(error))).about(path)) from error
     except FormatError as fault:
-        raise InputError(fault.about(path)) from fault
+        place = "" if fault.line is None else f", line {fault.line}:"
+        raise InputError(f"'{path}'{place} {fault}") from fault
     return columns
 
 
-def _read(reader: str, path: Path, *names: Sequence[str]) -> Columns:
+def _read(reader: str, path: Path, names: Sequence[str], child: ChildProcess | None) -> Columns:
     """Read by the module `reader`; any exception of its libraries becomes a FormatError."""
     try:
         with warnings.catch_warnings(action="ignore"):
-            columns: Columns = import_module(f"{__name__}.{reader}").read(path, *names)
+            if child:
+                memory = NATIVE_BYTES + BYTES_PER_BYTE * path.stat().st_size
+                columns: Columns = child.call(memory, _read, reader, path, names, None)
+            else:
+                columns = import_module(f"{__name__}.{reader}").read(path, *filter(None, [names]))
             return columns
     except (FormatError, OSError, ImportError, MemoryError, KeyboardInterrupt, SystemExit):
         raise
     except BaseException as error:  # a panic of the LAZ decoder is not an Exception
         reason = " ".join((str(error) or type(error).__name__).split())[:120]
-        raise FormatError(_unsound(path.suffix, reason)) from error
-
-
-def _unsound(suffix: str, reason: str) -> str:
-    return f"is no sound {suffix[1:].upper()} file, or is cut short ({reason})."
+        sentence = f"is no sound {path.suffix[1:].upper()} file, or is cut short ({reason})."
+        raise FormatError(sentence) from error
 
 
 @contextmanager

@@ -31,7 +31,8 @@ def read(path: Path) -> Columns:
         found = f"shape {array.shape} and type {array.dtype}"
         raise FormatError(f"holds an array of {found}; (N, 3) to (N, 12) numbers are read.")
     names = usual_names(array)
-    columns = {name: np.asarray(array[:, i]) for i, name in enumerate(names)}
+    names += [f"column {i + 1}" for i in range(len(names), array.shape[1])]
+    columns = dict(zip(names, np.asarray(array).T, strict=True))
     return Columns(columns, (f"columns taken as {' '.join(names)}.",))
 
 

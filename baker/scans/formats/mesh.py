@@ -1,15 +1,13 @@
 """Read meshes and sample points evenly on their surface.
 
-Open3D reads OBJ, STL, GLB and glTF. OFF is read here: Open3D crashes on damaged files
-(docs/method.md).
+Open3D reads STL, GLB and glTF. OBJ and OFF are read here: Open3D leaves out an OBJ's faces of more
+than three corners, and crashes on damaged OFF files (docs/method.md).
 """
 
 import json
 import re
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +19,10 @@ from baker.scans.formats import Columns, FormatError, require_count
 MIN_POINTS, MAX_POINTS = 20_000, 100_000
 """As many points are sampled as the mesh has vertices, within these limits."""
 
-Faces = NDArray | Sequence[NDArray]
 INTERPOLATED = {*"xyz", *(name for names in COLOR_NAMES for name in names)}
+Faces = NDArray | Sequence[Sequence[int]] | Sequence[NDArray]
 Mesh = tuple[NDArray, Faces]
-"""(V, 3) vertices or, with red, green and blue, (V, 6), and faces."""
+"""(V, 3) vertices or, with red, green and blue, (V, 6) or more, and faces."""
 
 
 def read(path: Path) -> Columns:
@@ -32,63 +30,59 @@ def read(path: Path) -> Columns:
 
     Raises FormatError: the file is damaged, or has no faces.
     """
-    read_mesh = _read_off if path.suffix.lower() == ".off" else _read_by_open3d
-    vertices, faces = read_mesh(path)
+    readers = {".obj": _read_obj, ".off": _read_off}
+    vertices, faces = readers.get(path.suffix.lower(), _read_by_open3d)(path)
     if not len(vertices) or not len(faces):
         raise FormatError(
             "holds no mesh that can be read, or is cut short; points without faces are exported as "
             "PLY."
         )
-    names = ("x", "y", "z", "red", "green", "blue")
+    names = ("x", "y", "z", "red", "green", "blue")[: 6 if vertices.shape[1] >= 6 else 3]
     return points_on_surface(dict(zip(names, vertices.T, strict=False)), faces)
 
 
 def _read_by_open3d(path: Path) -> Mesh:
     import open3d
 
-    with (
-        TemporaryDirectory(prefix="bake-") as folder,
-        open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error),
-    ):
-        mesh = open3d.io.read_triangle_mesh(_without_links(path, Path(folder)))
+    content, start, end = path.read_bytes(), 0, None
+    if path.suffix.lower() == ".glb":
+        start, end = 20, 20 + int.from_bytes(content[12:16], "little")
+    if path.suffix.lower() != ".stl":
+        json.loads(content[start:end], object_hook=_require_inside)
+    with open3d.utility.VerbosityContextManager(open3d.utility.VerbosityLevel.Error):
+        mesh = open3d.io.read_triangle_mesh(path)
     table = [mesh.vertices, mesh.vertex_colors] if mesh.has_vertex_colors() else [mesh.vertices]
     return np.hstack(list(map(np.asarray, table))), np.asarray(mesh.triangles)
 
 
-def _without_links(path: Path, folder: Path) -> Path:
-    """The file, or a copy in `folder`, which makes Open3D open no file outside of its folder."""
-    suffix = path.suffix.lower()
-    if suffix == ".stl":
-        return path
-    content = path.read_bytes()
-    if suffix == ".obj":
-        copy = folder / path.name
-        copy.write_bytes(_triangulated(content))
-        return copy
-    if suffix == ".glb":
-        content = content[20 : 20 + int.from_bytes(content[12:16], "little")]
-    document = json.loads(content)
-    for parts in (document.get("buffers", ()), document.get("images", ())):
-        for part in parts.values() if isinstance(parts, dict) else parts:  # a dict in glTF 1.0
-            if ".." in re.split(r"[/\\]", part.get("uri", "")):
-                raise FormatError(f"refers to '{excerpt(part['uri'])}', outside of its folder.")
-    return path
+def _require_inside(part: dict) -> None:
+    """Refuse a part of a glTF document that refers to a file outside of the document's folder."""
+    if ".." in re.split(r"[/\\]", part.get("uri", "")):
+        raise FormatError(f"refers to '{excerpt(part['uri'])}', outside of its folder.")
 
 
-def _triangulated(content: bytes) -> bytes:
-    """The text of an OBJ file without materials, with larger faces split into triangles.
+def _rows(path: Path) -> list[list[bytes]]:
+    """The words of each line that has some, without comments."""
+    content = re.sub(rb"\\\r?\n", b" ", path.read_bytes())  # continued lines
+    lines = (line.partition(b"#")[0].split() for line in content.splitlines())
+    return [line for line in lines if line]
 
-    Materials are not needed, and could name any files; Open3D ignores faces of more than three
-    corners.
+
+def _read_obj(path: Path) -> Mesh:
+    """Read OBJ, with or without colours after the coordinates. Materials are not read.
+
+    Format: https://paulbourke.net/dataformats/obj
     """
-    content = re.sub(rb"\\\r?\n", b" ", content)  # continued lines
-    content = re.sub(rb"(?m)^[ \t]*mtllib\b.*", b"", content)
-
-    def fan(face: re.Match[bytes]) -> bytes:
-        first, *corners = face[1].split()
-        return b"".join(b"f %b %b %b\n" % (first, *pair) for pair in pairwise(corners))
-
-    return re.sub(rb"(?m)^[ \t]*f((?:[ \t]+[^\s#]+){4,})", fan, content)
+    vertices: list[list[bytes]] = []
+    faces: list[list[int]] = []
+    for kind, *values in _rows(path):
+        if kind == b"v":
+            vertices.append(values)
+        elif kind == b"f":
+            corners = [int(value.partition(b"/")[0]) for value in values]
+            # Negative numbers count back from the last vertex so far.
+            faces.append([k - 1 if k > 0 else len(vertices) + k for k in corners])
+    return np.array(vertices, float), faces
 
 
 def _read_off(path: Path) -> Mesh:
@@ -96,19 +90,16 @@ def _read_off(path: Path) -> Mesh:
 
     Format: http://www.geomview.org/docs/html/OFF.html
     """
-    lines = [line.partition(b"#")[0].split() for line in path.read_bytes().splitlines()]
-    rows = [line for line in lines if line]
+    rows = _rows(path)
     kind = rows[0].pop(0)
     if kind not in (b"OFF", b"COFF"):
         raise FormatError("is not an OFF file: it doesn't begin with 'OFF' or 'COFF'.")
     rows = rows if rows[0] else rows[1:]  # the counts may stand in the first line
     vertex_count, face_count = int(rows[0][0]), int(rows[0][1])
-    rows = rows[1:]
-    require_count(vertex_count + face_count, min(len(rows), vertex_count + face_count), "lines")
-    vertices = np.array(rows[:vertex_count], float)
-    corners = rows[vertex_count : vertex_count + face_count]
-    faces = [np.array(row[1 : 1 + int(row[0])], int) for row in corners]
-    return vertices, faces
+    rows = rows[1 : 1 + vertex_count + face_count]
+    require_count(vertex_count + face_count, len(rows), "lines")
+    faces = [[*map(int, row[1 : 1 + int(row[0])])] for row in rows[vertex_count:]]
+    return np.array(rows[:vertex_count], float), faces
 
 
 def points_on_surface(vertices: Mapping[str, NDArray], faces: Faces) -> Columns:

@@ -17,8 +17,6 @@ from baker.scans.formats import Columns, FormatError, require_count, require_roo
 from baker.scans.formats.text import as_type, read_numbers
 
 TYPES = {"F4", "F8", "I1", "I2", "I4", "I8", "U1", "U2", "U4", "U8"}
-MAX_HEADER_BYTES = 1 << 19
-MAX_VALUES = 10_000  # of a point; the largest descriptors have about a thousand
 LZF_RATIO = 88  # LZF turns at most 264 bytes into 3
 
 
@@ -27,41 +25,48 @@ def read(path: Path) -> Columns:
 
     Raises FormatError: not PCD, a wrong header, or a body that does not match its header.
     """
-    words, start, lines = _read_header(path)
+    content = path.read_bytes()
+    end = re.search(rb"^[ \t]*DATA\b[^\n]*\n?", content, re.MULTILINE)
+    if not end:
+        raise FormatError("is not a PCD file: its header has no line 'DATA'.")
+    header, body = content[: end.end()].decode("latin-1"), content[end.end() :]
+    words = {key: values for key, *values in map(str.split, filter(str.strip, header.split("\n")))}
     record = _record(words)
     names = record.names or ()
-    count, room = int(words["POINTS"][0]), path.stat().st_size - start
-    match words["DATA"][0]:
-        case "ascii":
-            require_room(count, 2 * len(names) - 1, room)
-            numbers = read_numbers(path.read_bytes()[start:], lines + 1)
-            require_count(count * len(names), len(numbers), "values")
-            table = numbers.reshape(count, len(names)).T
-            columns = {n: as_type(row, record[n]) for n, row in zip(names, table, strict=True)}
-        case "binary":
-            require_room(count, record.itemsize, room)
-            points = np.fromfile(path, record, count, offset=start)
-            columns = {name: points[name] for name in names}
-        case "binary_compressed":
-            require_room(count, record.itemsize / LZF_RATIO, room - 8)
-            content = path.read_bytes()[start:]  # sizes of packed and of unpacked data, LZF data
-            packed_size = int.from_bytes(content[:4], "little")
-            body = decompress(content[8 : 8 + packed_size], count * record.itemsize)
-            columns, offset = {}, 0
-            for name in names:  # field after field
-                columns[name] = np.frombuffer(body, record[name], count, offset)
-                offset += columns[name].nbytes
-        case other:
-            known = "ascii, binary, binary_compressed"
-            raise _header_fault(f"names the unknown DATA '{excerpt(other)}'; known are {known}")
-    for name in names:
-        if name.lower() in ("rgb", "rgba") and columns[name].dtype.itemsize == 4:
-            packed = np.ascontiguousarray(columns.pop(name)).view("<u4")
-            shifts = {"red": 16, "green": 8, "blue": 0}
-            columns |= {
-                color: (packed >> shift).astype(np.uint8) for color, shift in shifts.items()
-            }
-            break
+    widths = [record[name].shape[0] for name in names]
+    count, form = int(words["POINTS"][0]), words["DATA"][0]
+    least = {
+        "ascii": 2 * sum(widths) - 1,
+        "binary": record.itemsize,
+        "binary_compressed": record.itemsize / LZF_RATIO,
+    }
+    if form not in least:
+        raise _header_fault(
+            f"names the unknown DATA '{excerpt(form)}'; known are {', '.join(least)}"
+        )
+    require_room(count, least[form], len(body))
+    if form == "ascii":
+        numbers = read_numbers(body, header.count("\n") + 1)
+        require_count(count * sum(widths), len(numbers), "values")
+        parts = np.split(numbers.reshape(count, -1), np.cumsum(widths)[:-1], axis=1)
+        fields = [as_type(part, record[name].base) for part, name in zip(parts, names, strict=True)]
+    elif form == "binary":
+        points = np.frombuffer(body, record, count)
+        fields = [points[name] for name in names]
+    else:  # the sizes of packed and of unpacked data; then field after field
+        packed = body[8 : 8 + int.from_bytes(body[:4], "little")]
+        fields, rest = [], memoryview(decompress(packed, count * record.itemsize))
+        for name in names:
+            fields.append(np.frombuffer(rest, record[name], count))
+            rest = rest[fields[-1].nbytes :]
+    columns = {
+        f"{name}[{i}]" if i else name: column
+        for name, values in zip(names, fields, strict=True)
+        for i, column in enumerate(values.T)
+    }
+    for name in [n for n in names if n.lower() in ("rgb", "rgba") and columns[n].itemsize == 4][:1]:
+        channels = np.ascontiguousarray(columns.pop(name)).view(np.uint8).reshape(-1, 4)
+        columns |= dict(zip(("blue", "green", "red"), channels.T, strict=False))
     return Columns(columns)
 
 
@@ -93,38 +98,23 @@ def decompress(packed: bytes, size: int) -> bytes:
     return bytes(result)
 
 
-def _read_header(path: Path) -> tuple[dict[str, list[str]], int, int]:
-    """The header as a dict, first word of a line -> the others; its size in bytes and in lines."""
-    with path.open("rb") as file:
-        head = file.read(MAX_HEADER_BYTES)
-    end = re.search(rb"^[ \t]*DATA\b[^\n]*\n?", head, re.MULTILINE)
-    if not end:
-        raise FormatError("is not a PCD file: its header has no line 'DATA'.")
-    text = head[: end.end()].decode("latin-1")
-    words = {key: values for key, *values in map(str.split, filter(str.strip, text.split("\n")))}
+def _record(words: dict[str, list[str]]) -> np.dtype:
+    """The dtype of one point in the file, from FIELDS, SIZE, TYPE and COUNT."""
     for needed in ("FIELDS", "SIZE", "TYPE", "POINTS", "DATA"):
         if not words.get(needed):
             raise _header_fault(f"has no line '{needed}'")
-    return words, end.end(), text.count("\n")
-
-
-def _record(words: dict[str, list[str]]) -> np.dtype:
-    """The dtype of one point in the file, from FIELDS, SIZE, TYPE and COUNT."""
-    fields = words["FIELDS"]
+    fields, kinds, sizes = words["FIELDS"], words["TYPE"], words["SIZE"]
     counts = words.get("COUNT", ["1"] * len(fields))
-    if not len(fields) == len(words["TYPE"]) == len(words["SIZE"]) == len(counts):
+    if not len(fields) == len(kinds) == len(sizes) == len(counts):
         raise _header_fault(f"has {len(fields)} FIELDS, but not as many of TYPE, SIZE and COUNT")
-    record: list[tuple[str, str]] = []
-    for name, kind, size, count in zip(fields, words["TYPE"], words["SIZE"], counts, strict=True):
+    record: list[tuple[str, str, tuple[int]]] = []
+    for name, kind, size, count in zip(fields, kinds, sizes, counts, strict=True):
         if kind + size not in TYPES or not re.fullmatch("0*[1-9][0-9]{0,4}", count):
             found = excerpt(f"'{name}' TYPE {kind}, SIZE {size} and COUNT {count}")
             raise _header_fault(f"gives the field {found}, which can't be")
-        if len(record) + int(count) > MAX_VALUES:
-            raise _header_fault(f"gives a point more than {MAX_VALUES} values")
-        for i in range(int(count)):
-            # Several fields may be called "_" (padding); further values of a field are numbered.
-            unique = f"_{len(record)}" if name == "_" else f"{name}[{i}]" if i else name
-            record.append((unique, f"<{kind.lower()}{size}"))
+        # Several fields may be called "_" (padding).
+        unique = f"_{len(record)}" if name == "_" else name
+        record.append((unique, f"<{kind.lower()}{size}", (int(count),)))
     return np.dtype(record)
 
 

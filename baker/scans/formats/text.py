@@ -37,8 +37,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     words = [i for i in used if _is_word(values[i]) and label_rank(names[i]) is not None]
     unread = [names[i] for i in used if i not in numbers + words]
     if unread and (header is None or not {*"xyzXYZ"}.isdisjoint(unread)):
-        example = ",".join(["label", *"xyz", *["-"] * (width - 4)])
-        hint = f"; say what the columns are, as in --columns {example}" * (width > 3)
+        hint = f"; say what the columns are, as in {_example('label,x,y,z', width)}" * (width > 3)
         raise _not_numbers(values, first_line, hint)
 
     load: Any = partial(np.loadtxt, rows, delimiter=delimiter, quotechar='"', ndmin=2)
@@ -54,12 +53,10 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     notes: tuple[str, ...] = ()
     if header is None:
         if width > 3 and len(table) > MIN_COUNTED and (np.diff(table[:, 0]) == 1).all():
-            example = ",".join(["-", *"xyz", *["-"] * (width - 5), *["label"] * (width > 4)])
-            reason = f"its first column counts the rows; name the columns: --columns {example}."
-            raise FormatError(reason)
-        for i, name in zip(numbers, usual_names(table, is_leica=count is not None), strict=True):
-            # `usual_names` counts columns of numbers only; names[i] counts columns of words, too.
-            names[i] = names[i] if name.startswith("column") else name
+            example = _example("-,x,y,z", width)
+            raise FormatError(f"its first column counts the rows; name the columns: {example}.")
+        for i, name in zip(numbers, usual_names(table, is_leica=count is not None), strict=False):
+            names[i] = name
         notes = (f"no header line: columns taken as {' '.join(names)}.",)
     elif unread:
         listed = excerpt(", ".join(unread))
@@ -94,16 +91,20 @@ def _column_names(header: Sequence[str] | None, width: int, line: int) -> list[s
     if header is None:
         if width in USUAL_WIDTHS:
             return [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
-        example = excerpt(",".join(["x", "y", "z", *["-"] * (width - 4), "label"]))
         raise FormatError(
             f"{width} column{'s' * (width != 1)} without a header line; 3 to 12 are understood, "
-            f"for others say what they are, as in --columns {example} (- is not used).",
+            f"for others say what they are, as in {_example('x,y,z', width)} (- is not used).",
             line,
         )
     if len(header) != width:
         reason = f"{width} columns, but {len(header)} names of columns"
         raise FormatError(f"{reason} ({excerpt(' '.join(header))}).", line)
     return [*map(_axis, header)]
+
+
+def _example(first: str, width: int) -> str:
+    """The option --columns with the names of the first of `width` columns."""
+    return "--columns " + excerpt(first + ",-" * (width - first.count(",") - 1))
 
 
 def read_numbers(text: bytes, number: int) -> NDArray[np.float64]:
@@ -127,11 +128,7 @@ def as_type(numbers: NDArray, kind: DTypeLike) -> NDArray:
 
 
 def _raise_fault(
-    rows: Sequence[str],
-    line: int,
-    delimiter: str | None,
-    names: Sequence[str],
-    numbers: Sequence[int],
+    rows: Sequence[str], line: int, delimiter: str | None, names: Sequence[str], numbers: list[int]
 ) -> None:
     """Raise FormatError for the first row that has not one value for each name, or no number."""
     for number, text in enumerate(rows, line):
@@ -146,7 +143,7 @@ def _raise_fault(
 
 
 def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
-    """Name the columns of a table without a header, by the rules of docs/scans.md."""
+    """Name the first columns of a table without a header, by the rules of docs/scans.md."""
     names, width = ["x", "y", "z"], rows.shape[1]
     if is_leica and width in (4, 7):
         names.append("intensity")
@@ -156,7 +153,7 @@ def usual_names(rows: NDArray, is_leica: bool = False) -> list[str]:
         if triple[0] in names:
             break
         names += triple
-    return [*names, *(f"column {i + 1}" for i in range(len(names), width))]
+    return names
 
 
 def _not_numbers(values: Sequence[str], line: int, hint: str = "") -> FormatError:
@@ -176,9 +173,8 @@ def _read_head(
     header: list[str] | None = None
     count: int | None = None
     for index, text in enumerate(map(str.strip, lines)):
-        if text.startswith(("#", "//")):
-            comments.append(text.lstrip("#/ \t"))
         if not text or text.startswith(("#", "//")):
+            comments.append(text.lstrip("#/ \t"))
             continue
         delimiter = _delimiter(text)
         values = _split(text, delimiter)
@@ -186,10 +182,8 @@ def _read_head(
         if len(values) == 1 and values[0].isdecimal() and count is None:
             count = int(values[0][:18])
         elif sum(is_number) >= min(3, len(values)):
-            # Some scans of a series may have no column of labels.
-            header = (
-                [*asked[: len(values)]] or header or _names_in(comments, delimiter, len(values))
-            )
+            width = len(values)  # some scans of a series may have no column of labels
+            header = [*asked[:width]] or header or _names_in(comments, delimiter, width)
             name, times = Counter(header).most_common(1)[0] if header else ("", 1)
             if times > 1 and not asked:
                 raise FormatError(f"has a header that names two columns '{excerpt(name)}'.")

@@ -19,7 +19,6 @@ LARGEST, SMALLEST = 1e9, 1e-9  # of the numbers that describe a camera
 MAX_FILE_SIZE = 1 << 16  # bytes
 PATTERN = r"(?![/\\]|(.*[/\\])?\.\.([/\\]|$))[^*?\[\]:]*\*[^*?\[\]:/\\]*"
 
-
 Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
 Positive = Annotated[float, Meta(ge=SMALLEST, le=LARGEST)]
 Count = Annotated[int, Meta(ge=1, le=int(LARGEST))]
@@ -47,8 +46,6 @@ class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
 class RepairOptions(Struct, frozen=True, forbid_unknown_fields=True):
     """Options of `baker.scans.rgbd.depth_repair`."""
 
-    ring: Border = 1
-    """Width in pixels of the border of a label that is never valid, if pixels inside of it are."""
     band: Border = 6
     """Width in pixels of the border of a label that is searched for jumps; 0 for no search."""
     jump: Positive = 2.0

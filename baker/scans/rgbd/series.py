@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.scans.rgbd.camera import Camera, Patterns, read_camera
-from baker.scans.rgbd.depth_repair import REASONS, VALID, Repaired, repair
+from baker.scans.rgbd.depth_repair import REASONS, VALID, repair
 from baker.scans.rgbd.images import read_depth, read_labels, read_mask, read_pixels
 from baker.scans.scan import Scan, Series
 from baker.scans.times.conventions import Moment
@@ -69,15 +69,17 @@ def schedule_frames(
     if times_file is not None or len(slots) < len(frames):
         return schedule_scans(paths, times_file, from_folder=True)
 
+    moments = []
     for frame, slot in zip(frames, slots, strict=True):
-        if int(slot["slot"]) >= per_day:
+        day, number = int(slot["day"]), int(slot["slot"])
+        if number >= per_day:
             raise InputError(
-                f"'{frame.color}' is number {int(slot['slot'])} of its day, but a day has "
-                f"{per_day} images, 0 to {per_day - 1}; set per_day in the camera's file (24 "
-                "where the number is the hour)."
+                f"'{frame.color}' is number {number} of its day, but a day has {per_day} images, "
+                f"0 to {per_day - 1}; set per_day in the camera's file (24 where the number is "
+                "the hour)."
             )
-    times = [int(slot["day"]) + int(slot["slot"]) / per_day for slot in slots]
-    moments = [Moment(time, f"day {time:.2f}") for time in times]
+        time = day + number / per_day
+        moments.append(Moment(time, f"day {time:.2f}"))
     rule = f"from day and number in the names, {per_day} images a day"
     return schedule_in_time(paths, [path.name for path in paths], moments, rule)
 
@@ -107,25 +109,22 @@ class ImageSeries:
         colors, depth, labels, painted = self._images(frame)
         notes: tuple[str, ...] = ()
         if labels is None:
-            depth = np.where(painted, 0.0, depth)
+            depth[painted] = 0.0
         else:
-            repaired = repair(depth, labels, camera.background, painted, camera.repair)
-            depth, notes = repaired.depth, _notes(repaired, labels, camera.background)
+            depth, reason = repair(depth, labels, camera.background, painted, camera.repair)
+            notes = _notes(depth, reason, labels != camera.background)
         chosen = depth > 0
         if not chosen.any():
-            raise InputError(
-                f"'{frame.label or frame.depth}' shows no plant: no "
-                f"{'labelled ' if frame.label else ''}pixel has a depth."
-            )
+            path, pixel = (frame.label, "labelled pixel") if frame.label else (frame.depth, "pixel")
+            raise InputError(f"'{path}' shows no plant: no {pixel} has a depth.")
         point_labels = labels[chosen] if labels is not None and use_labels else None
         points = unproject(depth, camera, self._ground)
         return Scan(points, point_labels, colors[chosen], notes, path=color)
 
     def files(self, color: Path) -> tuple[Path, ...]:
         """The files that a frame is read from, its colour image first."""
-        frame = self.frames[color]
-        others = (frame.depth, frame.label, frame.mask)
-        return (color, self.camera_file, *(path for path in others if path))
+        _, _, *others = self.frames[color]
+        return (color, self.camera_file, *filter(None, others))
 
     @cached_property
     def _ground(self) -> float:
@@ -134,9 +133,7 @@ class ImageSeries:
             return self.camera.ground
         frame = self.frames[self.series.scans[0].path]
         _, depth, labels, _ = self._images(frame)
-        ground = depth > 0
-        if labels is not None:
-            ground &= labels == self.camera.background
+        ground = (depth > 0) & (labels is None or labels == self.camera.background)
         if not ground.any():
             raise InputError(
                 f"'{frame.depth}' has no depth beside the plant, so the ground's distance is "
@@ -158,8 +155,7 @@ class ImageSeries:
             depth = depth[top : top + height, left : left + width]
         labels = read_labels(frame.label) if frame.label else None
         painted = read_mask(frame.mask) if frame.mask else np.zeros(depth.shape, bool)
-        images = ((frame.depth, depth), (frame.label, labels), (frame.mask, painted))
-        for path, image in images:
+        for path, image in zip(frame[2:], (depth, labels, painted), strict=True):
             if image is not None and image.shape != (height, width):
                 raise InputError(
                     f"'{path}' is {image.shape[1]}x{image.shape[0]} pixels, but "
@@ -183,20 +179,17 @@ def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDAr
     return np.stack([x, -y, ground - z], axis=1)
 
 
-def _notes(repaired: Repaired, labels: NDArray[np.int64], background: int) -> tuple[str, ...]:
+def _notes(
+    depth: NDArray[np.float64], reason: NDArray[np.uint8], plant: NDArray[np.bool_]
+) -> tuple[str, ...]:
     """Notes on the pixels that were repaired and on those that could not be."""
-    plant, unknown, filled = labels != background, repaired.reason > VALID, repaired.depth > 0
-    counts = np.bincount(repaired.reason[unknown], minlength=len(REASONS))
-    reasons = ", ".join(f"{n} {reason}" for n, reason in zip(counts, REASONS, strict=True) if n)
-    repaired_at, lost = labels[unknown & filled], labels[unknown & ~filled]
+    counts = np.bincount(reason[plant], minlength=len(REASONS))
+    unknown, lost = plant.sum() - counts[VALID], (plant & (depth == 0)).sum()
+    reasons = zip(counts[VALID + 1 :], REASONS[VALID + 1 :], strict=True)
+    listed = ", ".join(f"{count} {why}" for count, why in reasons if count) or "none"
     notes = (
-        f"depth unknown at {unknown.sum()} of {plant.sum()} labelled pixels ({reasons or 'none'}); "
-        f"{len(repaired_at)} filled by diffusion ({_by_label(repaired_at)}).",
-        f"left out {len(lost)} pixels without any valid depth in reach ({_by_label(lost)}).",
+        f"depth unknown at {unknown} of {plant.sum()} labelled pixels ({listed}); "
+        f"{unknown - lost} filled by diffusion.",
+        f"left out {lost} pixels without any valid depth in reach.",
     )
-    return notes if len(lost) else notes[:1]
-
-
-def _by_label(labels: NDArray[np.int64]) -> str:
-    counts = zip(*np.unique(labels, return_counts=True), strict=True)
-    return "label: pixels " + (", ".join(f"{label}: {count}" for label, count in counts) or "none")
+    return notes if lost else notes[:1]

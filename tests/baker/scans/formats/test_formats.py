@@ -14,7 +14,7 @@ from baker.errors import InputError
 from baker.scans.fields import choose_fields
 from baker.scans.formats import READERS, read_columns
 from baker.scans.labels import choose_labels
-from tests.baker.sound_files import SOUND
+from tests.baker.sound_files import SOUND, lzf_literals
 
 
 def read(path: Path, **options):
@@ -219,6 +219,25 @@ def test_bytes_after_the_points_of_a_pcd_do_not_matter(tmp_path):
     points = np.arange(6, dtype="<f4").reshape(2, 3)
     (tmp_path / "a.pcd").write_bytes(header.encode() + points.tobytes() + bytes(4000))
     assert read(tmp_path / "a.pcd").points.tolist() == points.tolist()
+
+
+def test_a_field_of_a_pcd_may_have_several_values_for_each_point(tmp_path):
+    """Compressed, fields lie one after the other, each with all values of the first point first."""
+    header = "FIELDS x y z h\nSIZE 4 4 4 2\nTYPE F F F U\nCOUNT 1 1 1 2\nPOINTS 2\nDATA "
+    record = np.dtype([*((axis, "<f4") for axis in "xyz"), ("h", "<u2", 2)])
+    points = np.array([(1, 2, 3, (10, 11)), (4, 5, 6, (20, 21))], record)
+    packed = lzf_literals(b"".join(points[name].tobytes() for name in record.names))
+    sizes = np.array([len(packed), points.nbytes], "<u4").tobytes()
+    for form, body in (
+        ("ascii", b"1 2 3 10 11\n4 5 6 20 21\n"),
+        ("binary", points.tobytes()),
+        ("binary_compressed", sizes + packed),
+    ):
+        (tmp_path / "a.pcd").write_bytes(f"{header}{form}\n".encode() + body)
+        columns = read_columns(tmp_path / "a.pcd").values
+        assert {name: values.tolist() for name, values in columns.items()} == {
+            "x": [1, 4], "y": [2, 5], "z": [3, 6], "h": [10, 20], "h[1]": [11, 21]
+        }  # fmt: skip
 
 
 def test_faces_may_come_before_the_vertices_of_a_ply(tmp_path):

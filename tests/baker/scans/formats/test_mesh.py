@@ -119,6 +119,15 @@ def test_an_obj_keeps_faces_of_any_number_of_corners(tmp_path):
     assert is_square.mean() == pytest.approx(1.5 / 4, abs=0.01)  # of the area, 2.5 and 1 and 0.5
 
 
+def test_an_obj_far_from_the_origin_keeps_its_digits(tmp_path):
+    (tmp_path / "a.obj").write_text(
+        "v 364000.001 5620000.002 60\nv 364000.003 5620000.002 60\nv 364000.001 5620000.004 60\n"
+        "f 1 2 3\n"
+    )
+    points = read(tmp_path / "a.obj").points
+    np.testing.assert_allclose(np.ptp(points, axis=0), [0.002, 0.002, 0], atol=1e-4)
+
+
 @pytest.mark.parametrize("parts", [[{"uri": "a.bin"}], {"bin": {"uri": "../a.bin"}}, [3], 7, [{}]])
 def test_a_gltf_of_any_layout_is_refused_in_a_sentence(tmp_path, parts):
     (tmp_path / "a.gltf").write_text(json.dumps({"asset": {"version": "2.0"}, "buffers": parts}))

@@ -30,7 +30,7 @@ per_day = 24
 color = "rgbd_plant/rgb_00_*.png"
 [repair]
 jump = 3.5
-ring = 0
+band = 0
 """
 
 
@@ -50,7 +50,7 @@ def test_every_field_is_read(tmp_path: Path) -> None:
         background=0x0000FF,
         per_day=24,
         images=Patterns(color="rgbd_plant/rgb_00_*.png"),
-        repair=RepairOptions(ring=0, jump=3.5),
+        repair=RepairOptions(band=0, jump=3.5),
     )
 
 
@@ -70,8 +70,8 @@ def test_four_numbers_are_enough_and_json_will_do(tmp_path: Path) -> None:
         (("fx = 610", "fx = nan"), "fx is nan"),
         (("fx = 610", "fx ="), "is no sound TOML file"),
         (("width = 480", "widht = 480"), "unknown field `widht`"),
-        (("ring = 0", "rings = 0"), "repair is .*unknown field `rings`"),
-        (("ring = 0", "ring = 0.5"), "repair.ring is 0.5; Expected `int`"),
+        (("band = 0", "bands = 0"), "repair is .*unknown field `bands`"),
+        (("band = 0", "band = 0.5"), "repair.band is 0.5; Expected `int`"),
         (("width = 480", "width = 0"), "width is 0; Expected `int` >= 1"),
         (("[80, 60]", "[80]"), r"crop is \[80\]; Expected `array` of length 2"),
         (("0.125", '"1 mm"'), "depth_unit is '1 mm'; Expected `float`"),
