@@ -36,7 +36,7 @@ def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
     hints |= {"root": str | None, "corrections": str | None}  # the texts that are parsed
     by_name = {each.name: each for each in (*fields(Options), *fields(Outputs))}
     for each in (by_name[name] for panel in PANELS.values() for name in panel.split()):
-        settings = {name: each.metadata[name] for name in each.metadata if name != "positive"}
+        settings = {name: each.metadata[name] for name in each.metadata if name != "check"}
         names = [f"--{each.name.replace('_', '-')}", *settings.pop("short", [])]
         option = typer.Option(*names, **settings, case_sensitive=False)  # allows --up Z
         annotation: Any = Annotated[hints[each.name], option]

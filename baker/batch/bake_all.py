@@ -3,7 +3,6 @@
 import sys
 from collections import Counter
 from collections.abc import Callable, Generator, Mapping, Sequence
-from concurrent.futures import Future, as_completed
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,7 @@ from tempfile import TemporaryFile
 from baker.batch.cluster import bake_on_cluster
 from baker.batch.outputs import Outputs, check_output
 from baker.batch.parallel import process_pool
-from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
+from baker.batch.plant import Outcome, PlantJob, bake_plant, bake_plants
 from baker.errors import InputError
 from baker.geometry.parallel import worker_count
 from baker.options import Options
@@ -22,29 +21,13 @@ from gclip.terminal.progress import StageProgress
 from gclip.text import Lossy, printable
 from traits.plants import TraitsTable
 
-ATTEMPTS = 2  # to bake a plant whose worker process is killed
-
 
 def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> int:
     """Bake many plants, folders of scans by name; if one fails, go on with the others.
 
-    Parameters
-    ----------
-    plants : dict
-        Name -> folder of scans.
-    options : Options
-    outputs : Outputs
-        The clip and the report are folders.
-
-    Returns
-    -------
-    int
-        The exit code: 1 if the program was at fault for any plant, else 2 if any input was, else 0.
-
-    Raises
-    ------
-    InputError
-        If no plant can be baked with these options and outputs.
+    outputs: the clip and the report are folders. Returns the exit code: 1 if the program was at
+    fault for any plant, else 2 if any input was, else 0. Raises InputError if no plant can be baked
+    with these options and outputs.
     """
     check_output(outputs.traits, True, "a table of traits", ".csv")  # an old table is extended
     if options.corrections:
@@ -84,37 +67,11 @@ def bake_here(
 ) -> Generator[Outcome]:
     """Bake in worker processes, one for each core; fewer plants than cores use several cores each.
 
-    Parameters
-    ----------
-    jobs : sequence of PlantJob
-    workers : int
-        Number of cores to use.
-    bake : callable
-        Bakes one plant.
-
-    Yields
-    ------
-    Outcome
-        As soon as it is ready. Closing the generator stops the processes.
+    Yields outcomes as soon as they are ready. Closing the generator stops the processes.
     """
-    from pebble import ProcessExpired
-
     processes = max(1, min(workers, len(jobs)))
-    cores = workers // processes
-    jobs = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
     with process_pool(processes) as submit:
-        for attempt in range(1, ATTEMPTS + 1):
-            futures: dict[Future, PlantJob] = {submit(bake, job): job for job in jobs}
-            jobs = []
-            for future in as_completed(futures):
-                job = futures.pop(future)  # frees the result as well
-                try:
-                    yield future.result()
-                except ProcessExpired:
-                    if attempt < ATTEMPTS:
-                        jobs.append(job)
-                    else:
-                        yield WorkerDied(attempt).outcome(job)
+        yield from bake_plants(submit, bake, jobs, cores=workers // processes)
 
 
 def _report(

@@ -8,15 +8,16 @@ no shared folder.
 
 import logging
 from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import CancelledError, as_completed
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
+from baker.batch.parallel import WorkerDied
+from baker.batch.plant import Outcome, PlantJob, bake_plant, bake_plants
 from baker.errors import InputError
 from baker.geometry.parallel import ReportProgress
 from baker.interpolation.interval_job import IntervalJob, IntervalSolver, solve_by
@@ -34,25 +35,11 @@ CONFIG = {"distributed.admin.large-graph-warning-threshold": "1TB"}  # jobs cont
 def bake_on_cluster(
     jobs: Sequence[PlantJob], address: str, say: Callable[[str], None]
 ) -> Generator[Outcome]:
-    """Bake plants on all workers of a cluster.
+    """Bake plants on all workers of a cluster; yields outcomes as soon as they are ready.
 
-    Parameters
-    ----------
-    jobs : sequence of PlantJob
-    address : str
-        Of the scheduler, or the name of the scheduler's file.
-    say : callable
-        Called with messages for the user.
-
-    Yields
-    ------
-    Outcome
-        As soon as it is ready.
-
-    Raises
-    ------
-    InputError
-        If dask.distributed is not installed, no scheduler answers, or a worker has other versions.
+    address: of the scheduler, or the name of the scheduler's file; say: called with messages for
+    the user. Raises InputError if dask.distributed is not installed, no scheduler answers, or a
+    worker has other versions.
     """
     with _connected(address) as client:
         cores = sum(client.nthreads().values())
@@ -61,16 +48,8 @@ def bake_on_cluster(
         # If there are fewer plants than cores, each interval of a plant is a task, too.
         solve = _solve_from_worker if len(jobs) < cores else None
         bake, executor = Checked(partial(bake_plant, solve=solve)), client.get_executor(pure=False)
-        jobs = [replace(job, options=replace(job.options, workers=1)) for job in jobs]
-        futures = {executor.submit(bake, job): job for job in jobs}
         try:
-            for future in as_completed(futures):
-                job = futures.pop(future)  # frees the result as well
-                try:
-                    with _task_errors():
-                        yield future.result()
-                except WorkerDied as died:
-                    yield died.outcome(job)
+            yield from bake_plants(executor.submit, bake, jobs, 1, _task_errors)
         finally:
             executor.shutdown(wait=False)
 

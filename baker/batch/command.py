@@ -10,7 +10,7 @@ from baker.batch.bake_all import bake_all
 from baker.batch.cache import Cache
 from baker.batch.cluster import interval_solver
 from baker.batch.listing import finding_lines, list_plants
-from baker.batch.outputs import Outputs, check_cache, check_not_input, check_output
+from baker.batch.outputs import Outputs, check_not_input, check_output
 from baker.batch.plant import bake_into, with_corrections
 from baker.batch.plants import find_plants
 from baker.errors import InputError
@@ -29,24 +29,9 @@ MIN_BYTES_TO_CACHE = 64 * 2**20  # of scans; a larger bake takes minutes and kee
 def run(
     inputs: Sequence[Path], output: str, options: Options, outputs: Outputs, list_only: bool
 ) -> int:
-    """List or bake the inputs.
+    """List or bake scans, folders of scans, or folders of plants; returns the exit code.
 
-    Parameters
-    ----------
-    inputs : sequence of Path
-        Scans, folders of scans, or folders of plants.
-    output : str
-        The argument of -o as it was typed, since a slash at its end means a folder.
-    options : Options
-    outputs : Outputs
-        What is written besides the clip.
-    list_only : bool
-        Whether the plants are listed and not baked.
-
-    Returns
-    -------
-    int
-        The exit code: 0 if all went well, 2 for bad input, 1 for a fault of the program.
+    output: the argument of -o as it was typed, since a slash at its end means a folder.
     """
     if not output and not list_only:
         raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")
@@ -70,14 +55,13 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     Raises UserError: before it starts, if an output can't be written, or exists and may not be
     replaced; later, if the scans or options are wrong.
     """
+    cache = Cache(outputs.cache) if outputs.cache else None
     check_output(outputs.clip, outputs.force, "a clip", ".gclip")
     check_output(outputs.report, outputs.force, "a report", ".html", ".htm")
     check_output(outputs.traits, outputs.force, "a table of traits", ".csv")
-    check_cache(outputs)
     temporary_cache = outputs.clip.with_name(f".{outputs.clip.name}.begun")
-    is_large = _bytes_of(inputs) >= MIN_BYTES_TO_CACHE
-    folder = outputs.cache or (temporary_cache if is_large else None)
-    cache = Cache(folder) if folder else None
+    if cache is None and _bytes_of(inputs) >= MIN_BYTES_TO_CACHE:
+        cache = Cache(temporary_cache)
     corrected = with_corrections(options, outputs.clip)
     is_compiled = not outputs.cluster and options.resolved().transport != "sinkhorn"
     on_cluster = interval_solver(outputs.cluster) if outputs.cluster else nullcontext()

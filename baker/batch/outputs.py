@@ -1,6 +1,5 @@
 """The output files of a bake, and checks whether they can be written."""
 
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,13 +7,6 @@ from pathlib import Path
 from baker.errors import InputError
 from baker.options import option
 from gclip.terminal import atomic
-
-
-def parse_folder(text: str) -> Path:
-    """The argument of --cache as a path."""
-    if not text:  # an empty shell variable, which would mean the working directory
-        raise InputError("--cache has no name of a folder.")
-    return Path(text)
 
 
 @dataclass(frozen=True)
@@ -32,10 +24,7 @@ class Outputs:
         None, "Bake on many machines: the address of a dask scheduler.", metavar="ADDRESS"
     )
     cache: Path | None = option(
-        None,
-        "Keep finished work there, and take up what is kept.",
-        parser=parse_folder,
-        metavar="DIR",
+        None, "Keep finished work there, and take up what is kept.", metavar="DIR"
     )
     force: bool = option(False, "Overwrite what exists; of many plants, bake all again.")
     quiet: bool = option(False, "Say nothing but errors.", short=["-q"])
@@ -43,10 +32,7 @@ class Outputs:
 
 
 def check_output(path: Path | None, force: bool, kind: str, *suffixes: str) -> None:
-    """Raise UserError if a file has a wrong suffix, can't be written or would be overwritten.
-
-    kind: what the file is, for the message: "a clip".
-    """
+    """Raise UserError if a file, "a clip" for example, has a wrong suffix or can't be written."""
     if path is None:
         return
     if path.suffix.lower() not in suffixes:
@@ -60,13 +46,3 @@ def check_not_input(table: Path, inputs: Iterable[Path]) -> None:
         same = table.parent if path.is_dir() else table
         if same.exists() and path.exists() and same.samefile(path):
             raise InputError(f"{table} is among the inputs; write it elsewhere.")
-
-
-def check_cache(outputs: Outputs) -> None:
-    """Raise InputError if the cache's folder is, or is in, the path of an output file."""
-    if outputs.cache is None:
-        return
-    folder = Path(os.path.realpath(outputs.cache))  # resolve() fails where links form a loop
-    for path in filter(None, (outputs.clip, outputs.report, outputs.traits)):
-        if Path(os.path.realpath(path)) in (folder, *folder.parents):
-            raise InputError(f"--cache {outputs.cache}: {path} is to be a file; name a folder.")

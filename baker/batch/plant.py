@@ -5,7 +5,9 @@ import json
 import os
 import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import as_completed
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -14,6 +16,7 @@ from typing import Literal
 import gclip
 from baker.batch.cache import Cache
 from baker.batch.outputs import Outputs
+from baker.batch.parallel import Submit, WorkerDied
 from baker.geometry.parallel import worker_count
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.interpolation.provenance import software
@@ -57,18 +60,27 @@ class Outcome:
     looks: str = ""  # "7 of 8 intervals look right"
 
 
-class WorkerDied(RuntimeError):
-    """A worker process was killed during a task, most likely because memory ran out."""
+def bake_plants(
+    submit: Submit,
+    bake: Callable[[PlantJob], Outcome],
+    jobs: Sequence[PlantJob],
+    cores: int,
+    task_errors: Callable[[], AbstractContextManager[None]] = nullcontext,
+) -> Iterator[Outcome]:
+    """Bake plants as tasks of an executor; yields their outcomes as soon as they are ready.
 
-    def __init__(self, times: int) -> None:
-        super().__init__(
-            f"a worker process was killed {times} times at the same task; most likely the scans "
-            "need more memory than there is: try fewer points (--voxel, --resample) or fewer "
-            "processes (--workers)."
-        )
-
-    def outcome(self, job: PlantJob) -> Outcome:
-        return Outcome(job.name, "failed", code=OUR_FAULT, error=str(self))
+    bake: bakes one plant, on so many cores; task_errors: a context that may raise WorkerDied.
+    """
+    jobs = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
+    futures = {submit(bake, job): job for job in jobs}
+    for future in as_completed(futures):
+        job = futures.pop(future)  # frees the result as well
+        try:
+            with task_errors():
+                outcome = future.result()
+        except WorkerDied as died:
+            outcome = Outcome(job.name, "failed", code=OUR_FAULT, error=str(died))
+        yield outcome
 
 
 def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
@@ -127,20 +139,8 @@ def bake_into(
 ) -> tuple[Clip, list[HoldoutError]]:
     """Bake a plant, write its clip and report, and compare it with the scans held out.
 
-    Parameters
-    ----------
-    outputs : Outputs
-    inputs : sequence of Path
-        A folder of scans, or the scans' files.
-    cache : Cache, optional
-        Keeps the solved intervals.
-    options, solve, progress, announce
-        As in `bake_recorded`.
-
-    Returns
-    -------
-    clip : Clip
-    errors : list of HoldoutError
+    inputs: a folder of scans, or the scans' files; cache: keeps the solved intervals; `options`,
+    `solve`, `progress`, `announce`: as in `bake_recorded`.
     """
     if cache is not None:
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
@@ -182,13 +182,15 @@ def current_clip(job: PlantJob) -> Clip | None:
     listing = list_series([job.folder], job.options)
     series = listing.series
     resolved = job.options.for_series(series.fixed, series.length, series.root)
-    moments = {scan.name: (scan.time, scan.date) for scan in series.scans}
-    if any(moments.get(scan.name) != (scan.time, scan.date) for scan in clip.scans):
-        return None
     expected = {
-        **software((scan.path for scan in series.scans), job.options.outliers),
+        **software(),
         "options": resolved.provenance(),
         "inputs": [{"name": s.name, "sha256": digest(listing.files(s))} for s in series.scans],
     }
+    moments, baked = (
+        {(scan.name, scan.time, scan.date) for scan in scans}
+        for scans in (series.scans, clip.scans)
+    )
     found = {key: clip.provenance.get(key) for key in expected}
-    return clip if found == json.loads(json.dumps(expected)) else None  # tuples as lists
+    is_current = found == json.loads(json.dumps(expected)) and baked <= moments  # tuples as lists
+    return clip if is_current else None

@@ -16,7 +16,8 @@ import pytest
 from baker.batch import cluster as cluster_module
 from baker.batch.cluster import Checked
 from baker.batch.outputs import Outputs
-from baker.batch.plant import PlantJob, WorkerDied, bake_plant
+from baker.batch.parallel import WorkerDied
+from baker.batch.plant import PlantJob, bake_plant
 from baker.cli import main
 from baker.errors import InputError
 from baker.options import Options

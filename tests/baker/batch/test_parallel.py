@@ -14,11 +14,10 @@ from contextlib import closing, suppress
 from pathlib import Path
 
 import pytest
-from pebble import ProcessExpired
 
 from baker.batch.bake_all import bake_here
 from baker.batch.outputs import Outputs
-from baker.batch.parallel import process_pool
+from baker.batch.parallel import WorkerDied, process_pool
 from baker.batch.plant import Outcome, PlantJob
 from baker.options import Options
 from tests.baker.batch.conftest import write_greenhouse
@@ -74,7 +73,7 @@ def test_a_task_that_kills_its_process_fails_alone() -> None:
     with process_pool(2) as submit:
         doomed, other = submit(die), submit(square, 3)
         assert other.result() == 9
-        with pytest.raises(ProcessExpired):
+        with pytest.raises(WorkerDied):
             doomed.result()
         assert submit(square, 4).result() == 16
 
@@ -112,7 +111,7 @@ def _bake_or_die(job: PlantJob) -> Outcome:
 
 
 def test_a_task_that_is_ended_takes_its_process_with_it() -> None:
-    with pytest.raises(ProcessExpired), process_pool(1) as submit:
+    with pytest.raises(WorkerDied), process_pool(1) as submit:
         submit(sys.exit, 3).result()
 
 
