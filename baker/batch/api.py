@@ -88,10 +88,7 @@ def bake(
 def _scan_files(
     scans: str | PathLike[str] | Sequence[Any], attributes: Mapping[str, Sequence[ArrayLike | None]]
 ) -> Iterator[list[Path]]:
-    """The files of the scans; scans in memory are written to temporary NPY and NPZ files.
-
-    attributes: "labels" and "colors", an array or None for each scan.
-    """
+    """The files of the scans; those in memory are written to temporary files, with attributes."""
     if isinstance(scans, str | PathLike) or not isinstance(scans, Iterable):  # one point cloud
         scans = [scans]
     scans = list(scans)
