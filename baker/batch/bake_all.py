@@ -88,16 +88,16 @@ def _job(
     name: str, folder: Path, options: Options, outputs: Outputs, table: TraitsTable | None
 ) -> PlantJob:
     """The job of one plant, with absolute paths, since workers may have other working folders."""
-    clip, report = outputs.clip / f"{name}.gclip", outputs.report
+    here = Path.cwd()
     plant_outputs = replace(
         outputs,
-        clip=clip.absolute(),
-        report=report and (report / f"{name}.html").absolute(),
-        cache=outputs.cache and outputs.cache.absolute(),
+        clip=here / outputs.clip / f"{name}.gclip",
+        report=outputs.report and here / outputs.report / f"{name}.html",
+        cache=outputs.cache and here / outputs.cache,
     )
-    options = replace(options, times=options.times and options.times.absolute())
+    options = replace(options, times=options.times and here / options.times)
     known = table.known(name) if table else None
-    return PlantJob(name, folder.absolute(), options, plant_outputs, known)
+    return PlantJob(name, here / folder, options, plant_outputs, known)
 
 
 def _make_folder(folder: Path) -> None:

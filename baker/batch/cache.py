@@ -42,22 +42,18 @@ class Cache:
         except OSError as error:
             raise InputError(f"{folder} can't be a cache: {error.strerror or error}.") from None
 
-    def kept_intervals(self, solve: IntervalSolver) -> IntervalSolver:
-        """Wrap a solver: intervals in the cache are not solved, others are written to it."""
-
-        def look_up(
-            jobs: Sequence[IntervalJob], report_progress: ReportProgress
-        ) -> Iterator[Interval]:
-            keys = [self._key(job) for job in jobs]
-            tracks = 1 + max((task.organ for job in jobs for task in job.tasks), default=0)
-            cached = [self._read(key, job, tracks) for key, job in zip(keys, jobs, strict=True)]
-            missing = [job for job, interval in zip(jobs, cached, strict=True) if interval is None]
-            self.found, self.solved = len(jobs) - len(missing), len(missing)
-            solved = iter(solve(missing, report_progress))
-            for key, interval in zip(keys, cached, strict=True):
-                yield self._write(key, next(solved)) if interval is None else interval
-
-        return look_up
+    def solve(
+        self, solve: IntervalSolver, jobs: Sequence[IntervalJob], report_progress: ReportProgress
+    ) -> Iterator[Interval]:
+        """Solve the intervals that are not in the cache, and write them to it; yields all."""
+        keys = [self._key(job) for job in jobs]
+        tracks = 1 + max((task.organ for job in jobs for task in job.tasks), default=0)
+        cached = [self._read(key, job, tracks) for key, job in zip(keys, jobs, strict=True)]
+        missing = [job for job, interval in zip(jobs, cached, strict=True) if interval is None]
+        self.found, self.solved = len(jobs) - len(missing), len(missing)
+        solved = iter(solve(missing, report_progress))
+        for key, interval in zip(keys, cached, strict=True):
+            yield self._write(key, next(solved)) if interval is None else interval
 
     def summary(self) -> str:
         """How many intervals were found, and why others could not be written."""

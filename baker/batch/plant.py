@@ -144,7 +144,7 @@ def bake_into(
     """
     if cache is not None:
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-        solve = cache.kept_intervals(solve)
+        solve = partial(cache.solve, solve)
     clip, survey = bake_recorded(inputs, options, progress, solve, announce=announce)
     progress("writing", 0, 1)
     clip.save(outputs.clip, outputs.force)  # another bake may have been faster
@@ -171,13 +171,12 @@ def current_clip(job: PlantJob) -> Clip | None:
     folder holds no series of scans.
     """
     path, report = job.outputs.clip, job.outputs.report
-    if not path.exists() or (report and not report.exists()):
-        return None
-    if report and report.stat().st_mtime < path.stat().st_mtime:  # the bake ended before the report
-        return None
     try:
+        written = [file.stat().st_mtime for file in (path, report) if file]
         clip = gclip.open(path)
-    except gclip.ClipError:
+    except (OSError, gclip.ClipError):
+        return None
+    if written != sorted(written):  # the bake ended before the report
         return None
     listing = list_series([job.folder], job.options)
     series = listing.series
