@@ -32,7 +32,8 @@ def option(default: Any, help: str, check: Check | None = None, **settings: Any)
 
 
 def _is_root(root: Any) -> bool:
-    return root == "virtual" or all(abs(axis) <= MAX_COORDINATE for axis in root)
+    is_position = isinstance(root, tuple) and len(root) == 3
+    return root == "virtual" or (is_position and all(abs(x) <= MAX_COORDINATE for x in root))
 
 
 def _are_columns(text: str) -> bool:
@@ -40,17 +41,12 @@ def _are_columns(text: str) -> bool:
     return not text or (len(set(named)) == len(named) and {"x", "y", "z"} <= set(named))
 
 
-def parse_root(text: str) -> tuple[float, float, float] | Literal["virtual"]:
-    """Parse the argument of --root. Raises InputError unless it is coordinates or "virtual"."""
-    if text == "virtual":
-        return "virtual"
+def parse_root(text: str) -> tuple[float, ...] | str:
+    """Parse the argument of --root: coordinates, or another text; `Options` checks which."""
     try:
-        x, y, z = (float(part) for part in text.split(","))
+        return tuple(float(part) for part in text.split(","))
     except ValueError:
-        raise InputError(
-            f'--root is "{text}"; three numbers, like 0,0,-12.5, or virtual is needed.'
-        ) from None
-    return x, y, z
+        return text
 
 
 def parse_corrections(text: str) -> Corrections:
@@ -84,7 +80,7 @@ class Options:
     root: tuple[float, float, float] | Literal["virtual"] | None = option(
         None,
         "Where the stem leaves the ground, as coordinates; or virtual if no organ is a stem.",
-        (_is_root, f"a place within {MAX_COORDINATE:g} of 0"),
+        (_is_root, "a place, like 0,0,-12.5, or virtual"),
         parser=parse_root,
         metavar="X,Y,Z",
     )
