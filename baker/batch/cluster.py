@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from baker.batch.parallel import WorkerDied
 from baker.batch.plant import Outcome, PlantJob, bake_plant, bake_plants
@@ -23,9 +23,6 @@ from baker.geometry.parallel import ReportProgress
 from baker.interpolation.interval_job import IntervalJob, IntervalSolver, solve_by
 from baker.interpolation.provenance import software
 from gclip.clip import Interval
-
-if TYPE_CHECKING:
-    from distributed import Client
 
 LOGS = ("distributed", "distributed.client", "distributed.worker", "asyncio")
 TIMEOUT = 5  # seconds to connect to a scheduler
@@ -80,24 +77,23 @@ class Checked:
     def __call__(self, job: Any) -> Any:
         from distributed import get_worker
 
-        found = versions()
-        for name, ours in self.versions.items():
-            if found[name] != ours:
+        for name, found in versions().items():
+            if found != (ours := self.versions.get(name)):
                 raise InputError(
-                    f"The cluster's worker {get_worker().address} has {name} {found[name]}, but "
-                    f"here it is {ours}; install the same on both."
+                    f"The cluster's worker {get_worker().address} has {name} {found}, but here it "
+                    f"is {ours}; install the same on both."
                 )
         return self.function(job)
 
 
 def _solve(
-    client: "Client", jobs: Sequence[IntervalJob], report_progress: ReportProgress
+    client: Any, jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
-    def map_on_cluster(function: Callable, jobs: Sequence[IntervalJob]) -> Iterator[Interval]:
-        return client.get_executor(pure=False).map(Checked(function), jobs)
-
+    executor = client.get_executor(pure=False)
     with _task_errors():
-        yield from solve_by(map_on_cluster, jobs, report_progress)
+        yield from solve_by(
+            lambda solve, jobs: executor.map(Checked(solve), jobs), jobs, report_progress
+        )
 
 
 def _solve_from_worker(
@@ -131,7 +127,8 @@ def _task_errors() -> Iterator[None]:
 
 
 @contextmanager
-def _connected(address: str) -> Iterator["Client"]:
+def _connected(address: str) -> Iterator[Any]:
+    """A `distributed.Client` of the scheduler."""
     try:
         import dask
         import distributed

@@ -106,7 +106,7 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
             traceback.print_exc()
         seconds = time.perf_counter() - start
         return Outcome(job.name, "failed", seconds=seconds, code=code, error=sentence)
-    line = clip.provenance.get("verdict", {"line": ""})["line"]  # clips of old versions have none
+    line = clip.provenance["verdict"]["line"]
     return Outcome(
         job.name,
         state,
@@ -151,15 +151,8 @@ def bake_into(
     progress("writing", 1, 1)
     errors = verify(clip, progress)
     if outputs.report is not None:
-        write_report(
-            outputs.report,
-            clip,
-            survey,
-            errors,
-            title=outputs.clip.name,
-            workers=options.workers,
-            report_progress=progress,
-        )
+        title = outputs.clip.name
+        write_report(outputs.report, clip, survey, errors, title=title, report_progress=progress)
     return clip, errors
 
 

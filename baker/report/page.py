@@ -29,7 +29,6 @@ def write_report(
     errors: Sequence[HoldoutError],
     *,
     title: str = "growth clip",
-    workers: int = 0,
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> None:
     """Write the report of a bake as one self-contained HTML file, or no file if that fails.
@@ -46,8 +45,6 @@ def write_report(
         As `verify` returns them.
     title : str
         Such as the clip's file name.
-    workers : int
-        Number of cores to use, 0 for all.
     report_progress : callable
         Called with the name of a stage, the steps done and their total.
 
@@ -62,7 +59,7 @@ def write_report(
     with atomic_file(Path(path)) as part:
         pictures, no_pictures = None, ""
         try:
-            pictures = take_pictures(clip, by_interval, part.parent, workers)
+            pictures = take_pictures(clip, by_interval, part.parent, survey.options.workers)
         except NoPicture as error:
             no_pictures = str(error)
         measured = trait_curves(clip, largest_organs(clip))
