@@ -39,14 +39,11 @@ def bake_on_cluster(
     worker has other versions.
     """
     with _connected(address) as client:
-        cores = sum(client.nthreads().values())
-        if not cores:
+        if not client.nthreads():
             say(f"{address} has no workers yet; it is waited for them")
-        # If there are fewer plants than cores, each interval of a plant is a task, too.
-        solve = _solve_from_worker if len(jobs) < cores else None
-        bake, executor = Checked(partial(bake_plant, solve=solve)), client.get_executor(pure=False)
+        executor = client.get_executor(pure=False)
         try:
-            yield from bake_plants(executor.submit, bake, jobs, 1, _task_errors)
+            yield from bake_plants(executor.submit, Checked(bake_plant), jobs, 1, _task_errors)
         finally:
             executor.shutdown(wait=False)
 
@@ -94,16 +91,6 @@ def _solve(
         yield from solve_by(
             lambda solve, jobs: executor.map(Checked(solve), jobs), jobs, report_progress
         )
-
-
-def _solve_from_worker(
-    jobs: Sequence[IntervalJob], report_progress: ReportProgress
-) -> Iterator[Interval]:
-    """Solve intervals as further tasks; while this task waits, its worker runs some of them."""
-    from distributed import worker_client
-
-    with worker_client() as client:
-        yield from _solve(client, jobs, report_progress)
 
 
 @contextmanager

@@ -53,7 +53,7 @@ def process_pool(workers: int) -> Iterator[Submit]:
 
     threads = ThreadPoolExecutor(workers)
     try:
-        yield partial(threads.submit, call)
+        yield lambda function, *arguments: threads.submit(call, function, *arguments)
     finally:
         threads.shutdown(wait=False, cancel_futures=True)
         with ThreadPoolExecutor(workers) as stopping:

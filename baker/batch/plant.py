@@ -83,11 +83,8 @@ def bake_plants(
         yield outcome
 
 
-def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
-    """Bake one plant unless its clip is up to date. Exceptions are returned in the outcome.
-
-    solve: the solver of its intervals, by default threads of this process.
-    """
+def bake_plant(job: PlantJob) -> Outcome:
+    """Bake one plant unless its clip is up to date. Exceptions are returned in the outcome."""
     start, outputs = time.perf_counter(), job.outputs
     try:
         job = replace(job, options=with_corrections(job.options, outputs.clip))
@@ -96,7 +93,7 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
         if clip is None:
             cache = Cache(outputs.cache) if outputs.cache else None
             outputs = replace(outputs, force=True)
-            clip, _ = bake_into(outputs, [job.folder], job.options, cache, solve)
+            clip, _ = bake_into(outputs, [job.folder], job.options, cache)
         table = io.StringIO()
         if outputs.traits and provenance(clip) != job.known:
             write_table(table, Namer(clip, job.name), measure_days(clip))

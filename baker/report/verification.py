@@ -68,7 +68,7 @@ def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
     """Mean of the means, mean of the deviations and largest maximum, in both directions."""
     figures = np.array([error.both for error in errors])  # (errors, 2 directions, 3 statistics)
     mean, highest = figures.mean(axis=0).tolist(), figures.max(axis=0).tolist()
-    first, second = (Distances(*m[:2], h[2]) for m, h in zip(mean, highest, strict=True))
+    first, second = (Distances(m[0], m[1], h[2]) for m, h in zip(mean, highest, strict=True))
     return first, second
 
 

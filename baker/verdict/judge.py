@@ -9,7 +9,7 @@ from baker.geometry.parallel import MapLike
 from baker.interpolation.organ_shapes import Attachments
 from baker.verdict.doubt import Doubt, verdict_provenance
 from baker.verdict.identity import FollowedOrgans, doubtful_identities
-from baker.verdict.motion import motion_faults, sampled_paths
+from baker.verdict.motion import motion_faults, sampled_ends
 from gclip import Clip, Track
 
 
@@ -47,9 +47,9 @@ def _interval_doubts(
     names = list(map(_name, clip.track_table))
     matched = {pair.track for pair in interval.segments if pair.event == "match"}
     doubts = []
-    for track, path in sampled_paths(interval).items():
+    for track, ends in sampled_ends(interval).items():
         contacts = [side[track] for side in attachments if track in side]
-        faults = motion_faults(path, contacts) if track in matched else ()
+        faults = motion_faults(ends, contacts) if track in matched else ()
         what, strength = max(faults, key=lambda fault: fault[1], default=("", 0.0))
         if strength >= 1.0:
             what = what.format(names[track])
