@@ -9,6 +9,13 @@ from baker.options import option
 from gclip.terminal import atomic
 
 
+def parse_folder(text: str) -> Path:
+    """The argument of --cache as a path."""
+    if not text:  # an empty shell variable, which would mean the working directory
+        raise InputError("--cache has no name of a folder.")
+    return Path(text)
+
+
 @dataclass(frozen=True)
 class Outputs:
     """What to write, and how; the fields other than `clip` are options of `bake`."""
@@ -24,7 +31,10 @@ class Outputs:
         None, "Bake on many machines: the address of a dask scheduler.", metavar="ADDRESS"
     )
     cache: Path | None = option(
-        None, "Keep finished work there, and take up what is kept.", metavar="DIR"
+        None,
+        "Keep finished work there, and take up what is kept.",
+        parser=parse_folder,
+        metavar="DIR",
     )
     force: bool = option(False, "Overwrite what exists; of many plants, bake all again.")
     quiet: bool = option(False, "Say nothing but errors.", short=["-q"])
