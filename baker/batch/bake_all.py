@@ -101,8 +101,8 @@ def _job(
 
 
 def _make_folder(folder: Path) -> None:
-    if folder.is_file() or folder.suffix.lower() in (".html", ".htm"):
-        raise InputError(f"{folder} is a file's name; many plants' reports need a folder's.")
+    if folder.is_file() or folder.suffix.lower() in (".html", ".htm", ".gclip"):
+        raise InputError(f"{folder} is a file's name; what many plants have needs a folder's.")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=folder).close()  # whether files can be written there

@@ -17,7 +17,7 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
     of the clips, which a pattern such as */ may include, is not a plant.
 
     output: the argument of -o, "" where nothing is written. Raises InputError for files among
-    folders, two plants of one name, or an output that is not a folder.
+    folders, or two plants of one name.
     """
     folders = [path for path in inputs if path.is_dir()]
     if not folders:
@@ -30,15 +30,10 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
                 "names folders only), or only the files of one plant's scans."
             )
     if len(folders) == 1:
-        if not _is_plant(folders[0]):
+        if not _may_be_plant(folders[0]):
             folders = _plants_below(folders[0])
-        elif not names_folder(output):
+        elif not (output.endswith(("/", os.sep)) or (output and Path(output).is_dir())):
             return {}
-    if output and not names_folder(output):
-        raise InputError(
-            f"-o {output}: the clips of {len(folders)} plants need a folder; name one that is "
-            f"there, or with a slash to have it made, such as {Path(output).with_suffix('')}/."
-        )
     clips, plants = Path(output), dict[str, Path]()
     for folder in folders:
         if clips.exists() and folder.samefile(clips):
@@ -52,18 +47,9 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
     return plants
 
 
-def names_folder(output: str) -> bool:
-    """Whether the argument of -o is a folder: it exists, or the name ends in a slash."""
-    return bool(output) and (output.endswith(("/", os.sep)) or Path(output).is_dir())
-
-
-def _is_plant(folder: Path) -> bool:
-    return find_camera(folder) is not None or holds_scans(folder)
-
-
 def _may_be_plant(folder: Path) -> bool:
     try:
-        return _is_plant(folder)
+        return find_camera(folder) is not None or holds_scans(folder)
     except InputError:  # the folder can't be read; its bake will fail and say why
         return True
 

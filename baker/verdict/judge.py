@@ -9,7 +9,7 @@ from baker.geometry.parallel import MapLike
 from baker.interpolation.organ_shapes import Attachments
 from baker.verdict.doubt import Doubt, verdict_provenance
 from baker.verdict.identity import FollowedOrgans, doubtful_identities
-from baker.verdict.motion import motion_faults, sampled_ends
+from baker.verdict.motion import doubtful_motions
 from gclip import Clip, Track
 
 
@@ -43,21 +43,14 @@ def _interval_doubts(
     index: int,
     attachments: tuple[Attachments, Attachments],
 ) -> list[Doubt]:
-    interval = clip.intervals[index]
-    names = list(map(_name, clip.track_table))
-    matched = {pair.track for pair in interval.segments if pair.event == "match"}
+    interval, names = clip.intervals[index], list(map(_name, clip.track_table))
+    found = [(each, False) for each in doubtful_motions(interval, attachments)]
+    if followed is not None:
+        found += [(each, True) for each in doubtful_identities(followed, index)]
     doubts = []
-    for track, ends in sampled_ends(interval).items():
-        contacts = [side[track] for side in attachments if track in side]
-        faults = motion_faults(ends, contacts) if track in matched else ()
-        what, strength = max(faults, key=lambda fault: fault[1], default=("", 0.0))
-        if strength >= 1.0:
-            what = what.format(names[track])
-            doubts.append(Doubt(interval.start, interval.end, track, what, strength))
-    for what, strength, organs in doubtful_identities(followed, index) if followed else ():
-        what = what.format(*(names[organ] for organ in sorted(organs)))
-        doubt = Doubt(interval.start, interval.end, organs[0], what, strength, identity=True)
-        doubts.append(doubt)
+    for (what, strength, organs), identity in found:
+        clause = what.format(*(names[organ] for organ in sorted(organs)))
+        doubts.append(Doubt(interval.start, interval.end, organs[0], clause, strength, identity))
     return doubts
 
 

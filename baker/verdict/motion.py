@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
 from baker.geometry.neighbors import point_spacing
+from baker.interpolation.organ_shapes import Attachments
 from baker.verdict.doubt import MIN_SHARE
 from gclip import Interval, Motion
 from gclip.evaluate import positions_on_curve
@@ -29,18 +30,28 @@ TORN_SIZE = 0.7  # in sizes of the organ, torn neighbours are at least so far ap
 GRAPH_NEIGHBORS = 12
 
 
-def sampled_ends(interval: Interval) -> dict[int, Points]:
-    """Sample the movers of each large organ; track id -> ends, without organs that are lost."""
+def doubtful_motions(
+    interval: Interval, attachments: tuple[Attachments, Attachments]
+) -> Iterator[tuple[str, float, list[int]]]:
+    """Yield doubts about the motion of large organs that are matched.
+
+    Each is a clause with {} for the name of an organ, a strength, and a list of the organ's id.
+    attachments: by track id, in the first and in the second scan.
+    """
     stop = max((g.stop for g in interval.groups if g.motion is Motion.MOVE), default=0)
-    tracks, ends = np.asarray(interval.tracks[:stop]), {}
-    for track in np.unique(tracks).tolist():
+    tracks = np.asarray(interval.tracks[:stop])
+    for track in sorted({pair.track for pair in interval.segments if pair.event == "match"}):
         movers = np.flatnonzero(tracks == track)
-        if len(movers) >= MIN_SHARE * stop:
-            size = min(len(movers), SAMPLE_SIZE)
-            sample: Any = movers[np.arange(size) * len(movers) // size]
-            positions = [positions_on_curve(interval, sample, u) for u in (0.0, 1.0)]
-            ends[track] = np.stack(positions).astype(float)
-    return ends
+        if len(movers) < max(1, MIN_SHARE * stop):
+            continue
+        size = min(len(movers), SAMPLE_SIZE)
+        sample: Any = movers[np.arange(size) * len(movers) // size]
+        ends = np.stack([positions_on_curve(interval, sample, u) for u in (0.0, 1.0)])
+        contacts = [side[track] for side in attachments if track in side]
+        faults = motion_faults(ends.astype(float), contacts)
+        what, strength = max(faults, key=lambda fault: fault[1], default=("", 0.0))
+        if strength >= 1.0:
+            yield what, strength, [track]
 
 
 def motion_faults(ends: Points, attachments: Sequence[Points]) -> Iterator[tuple[str, float]]:
