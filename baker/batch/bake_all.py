@@ -2,16 +2,17 @@
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import closing
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import as_completed
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryFile
 
-from baker.batch.cluster import bake_on_cluster
+from baker.batch.cluster import cluster_pool, task_errors
 from baker.batch.outputs import Outputs, check_output
-from baker.batch.parallel import process_pool
-from baker.batch.plant import Outcome, PlantJob, bake_plant, bake_plants
+from baker.batch.parallel import Submit, WorkerDied, process_pool
+from baker.batch.plant import Outcome, PlantJob, bake_plant
 from baker.errors import InputError
 from baker.geometry.parallel import worker_count
 from baker.options import Options
@@ -38,15 +39,18 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
         _make_folder(folder)
     table = TraitsTable(outputs.traits) if outputs.traits else None
     jobs = [_job(name, plants[name], options, outputs, table) for name in plants]
+    workers = worker_count(options.workers)
+    processes = max(1, min(workers, len(jobs)))  # fewer plants than cores use several cores each
     outcomes: dict[str, Outcome] = {}
     with StageProgress(outputs.quiet) as progress:
         progress("plants", 0, len(jobs))
-        if outputs.cluster is None:
-            found = bake_here(jobs, worker_count(options.workers))
+        if outputs.cluster:
+            pool, cores = cluster_pool(outputs.cluster, progress.say), 1
         else:
-            found = bake_on_cluster(jobs, outputs.cluster, progress.say)
-        with closing(found):
-            for outcome in found:
+            pool, cores = process_pool(processes), workers // processes
+        with pool as submit:
+            errors = task_errors if outputs.cluster else nullcontext
+            for outcome in bake_plants(submit, jobs, cores, errors):
                 _report(outcome, len(outcomes) + 1, len(jobs), progress, outputs.verbose)
                 if table:
                     table.add(outcome.name, outcome.traits)
@@ -62,16 +66,27 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
     return OUR_FAULT if OUR_FAULT in codes else max(codes, default=DONE)
 
 
-def bake_here(
-    jobs: Sequence[PlantJob], workers: int, bake: Callable[[PlantJob], Outcome] = bake_plant
-) -> Generator[Outcome]:
-    """Bake in worker processes, one for each core; fewer plants than cores use several cores each.
+def bake_plants(
+    submit: Submit,
+    jobs: Sequence[PlantJob],
+    cores: int,
+    task_errors: Callable[[], AbstractContextManager[None]] = nullcontext,
+    bake: Callable[[PlantJob], Outcome] = bake_plant,
+) -> Iterator[Outcome]:
+    """Bake plants as tasks of an executor; yields their outcomes as soon as they are ready.
 
-    Yields outcomes as soon as they are ready. Closing the generator stops the processes.
+    cores: number of cores for each plant; task_errors: a context that may raise WorkerDied.
     """
-    processes = max(1, min(workers, len(jobs)))
-    with process_pool(processes) as submit:
-        yield from bake_plants(submit, bake, jobs, cores=workers // processes)
+    jobs = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
+    futures = {submit(bake, job): job for job in jobs}
+    for future in as_completed(futures):
+        job = futures.pop(future)  # frees the result as well
+        try:
+            with task_errors():
+                outcome = future.result()
+        except WorkerDied as died:
+            outcome = Outcome(job.name, "failed", code=OUR_FAULT, error=str(died))
+        yield outcome
 
 
 def _report(

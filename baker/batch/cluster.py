@@ -7,7 +7,7 @@ no shared folder.
 """
 
 import logging
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -16,8 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from baker.batch.parallel import WorkerDied
-from baker.batch.plant import Outcome, PlantJob, bake_plant, bake_plants
+from baker.batch.parallel import Submit, WorkerDied
 from baker.errors import InputError
 from baker.geometry.parallel import ReportProgress
 from baker.interpolation.interval_job import IntervalJob, IntervalSolver, solve_by
@@ -29,10 +28,9 @@ TIMEOUT = 5  # seconds to connect to a scheduler
 CONFIG = {"distributed.admin.large-graph-warning-threshold": "1TB"}  # jobs contain scans
 
 
-def bake_on_cluster(
-    jobs: Sequence[PlantJob], address: str, say: Callable[[str], None]
-) -> Generator[Outcome]:
-    """Bake plants on all workers of a cluster; yields outcomes as soon as they are ready.
+@contextmanager
+def cluster_pool(address: str, say: Callable[[str], None]) -> Iterator[Submit]:
+    """The workers of a cluster; yields the function that submits tasks to them.
 
     address: of the scheduler, or the name of the scheduler's file; say: called with messages for
     the user. Raises InputError if dask.distributed is not installed, no scheduler answers, or a
@@ -41,16 +39,16 @@ def bake_on_cluster(
     with _connected(address) as client:
         if not client.nthreads():
             say(f"{address} has no workers yet; it is waited for them")
-        executor = client.get_executor(pure=False)
+        executor, ours = client.get_executor(pure=False), versions()
         try:
-            yield from bake_plants(executor.submit, Checked(bake_plant), jobs, 1, _task_errors)
+            yield lambda function, job: executor.submit(Checked(function, ours), job)
         finally:
             executor.shutdown(wait=False)
 
 
 @contextmanager
 def interval_solver(address: str) -> Iterator[IntervalSolver]:
-    """A solver of one plant's intervals on a cluster. Raises InputError as `bake_on_cluster`."""
+    """A solver of one plant's intervals on a cluster. Raises InputError as `cluster_pool`."""
     with _connected(address) as client:
         yield partial(_solve, client)
 
@@ -87,14 +85,14 @@ def _solve(
     client: Any, jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
     executor = client.get_executor(pure=False)
-    with _task_errors():
+    with task_errors():
         yield from solve_by(
             lambda solve, jobs: executor.map(Checked(solve), jobs), jobs, report_progress
         )
 
 
 @contextmanager
-def _task_errors() -> Iterator[None]:
+def task_errors() -> Iterator[None]:
     """Turn exceptions of dask about a task into ours, with a sentence for the user."""
     from distributed import KilledWorker
 

@@ -5,9 +5,7 @@ import json
 import os
 import time
 import traceback
-from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import as_completed
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -16,7 +14,6 @@ from typing import Literal
 import gclip
 from baker.batch.cache import Cache
 from baker.batch.outputs import Outputs
-from baker.batch.parallel import Submit, WorkerDied
 from baker.geometry.parallel import worker_count
 from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.interpolation.provenance import software
@@ -58,29 +55,6 @@ class Outcome:
     traits: str = ""  # rows of the table; "" where not wanted, or known already
     notes: tuple[str, ...] = ()  # decisions and notes of the clip's provenance
     looks: str = ""  # "7 of 8 intervals look right"
-
-
-def bake_plants(
-    submit: Submit,
-    bake: Callable[[PlantJob], Outcome],
-    jobs: Sequence[PlantJob],
-    cores: int,
-    task_errors: Callable[[], AbstractContextManager[None]] = nullcontext,
-) -> Iterator[Outcome]:
-    """Bake plants as tasks of an executor; yields their outcomes as soon as they are ready.
-
-    bake: bakes one plant, on so many cores; task_errors: a context that may raise WorkerDied.
-    """
-    jobs = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
-    futures = {submit(bake, job): job for job in jobs}
-    for future in as_completed(futures):
-        job = futures.pop(future)  # frees the result as well
-        try:
-            with task_errors():
-                outcome = future.result()
-        except WorkerDied as died:
-            outcome = Outcome(job.name, "failed", code=OUR_FAULT, error=str(died))
-        yield outcome
 
 
 def bake_plant(job: PlantJob) -> Outcome:

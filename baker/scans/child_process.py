@@ -45,7 +45,7 @@ class ChildProcess:
         self.stop()
 
     def stop(self, patience: float = 0.0) -> None:
-        """Raise KeyboardInterrupt in the child, and kill it if it runs on for `patience` seconds."""
+        """Raise KeyboardInterrupt in the child, and kill it if it runs on `patience` seconds."""
         self._is_stopped = True
         if self._process is not None:
             assert self._process.stdin

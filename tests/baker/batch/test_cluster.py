@@ -185,5 +185,5 @@ def test_without_dask_it_is_told_how_to_install_it(house, tmp_path, capsys, monk
     ],
 )
 def test_what_ends_a_task_is_told_in_a_sentence(error, kind, words):
-    with pytest.raises(kind, match=f"(?i){words}"), cluster_module._task_errors():
+    with pytest.raises(kind, match=f"(?i){words}"), cluster_module.task_errors():
         raise error
