@@ -28,23 +28,17 @@ PANELS = {
 
 def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
     """Give a command a parameter for each option among the fields of `Options` and `Outputs`."""
-    declared = [
-        p for p in signature(command, eval_str=True).parameters.values() if p.name != "flags"
-    ]
-    parameters = [parameter.replace(kind=Parameter.KEYWORD_ONLY) for parameter in declared]
+    declared = signature(command, eval_str=True).parameters.values()
+    parameters = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in declared if p.name != "flags"]
     hints = get_type_hints(Options) | get_type_hints(Outputs)
     hints |= {"root": str | None, "corrections": str | None}  # the texts that are parsed
     by_name = {each.name: each for each in (*fields(Options), *fields(Outputs))}
     for each in (by_name[name] for panel in PANELS.values() for name in panel.split()):
-        settings = {name: each.metadata[name] for name in each.metadata if name != "positive"}
+        settings = {name: each.metadata[name] for name in each.metadata if name != "check"}
         names = [f"--{each.name.replace('_', '-')}", *settings.pop("short", [])]
         option = typer.Option(*names, **settings, case_sensitive=False)  # allows --up Z
-        annotation: Any = Annotated[hints[each.name], option]
-        parameters.append(
-            Parameter(
-                each.name, Parameter.KEYWORD_ONLY, default=each.default, annotation=annotation
-            )
-        )
+        flag = Parameter(each.name, Parameter.KEYWORD_ONLY, default=each.default)
+        parameters.append(flag.replace(annotation=Annotated[hints[each.name], option]))
     command.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return command

@@ -1,5 +1,6 @@
 """The options of a bake."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields, replace
 from math import inf
 from pathlib import Path
@@ -7,49 +8,45 @@ from typing import Any, Literal, Self, get_args, get_origin, get_type_hints
 
 from msgspec import to_builtins
 
-from baker.errors import InputError, input_errors
+from baker.errors import InputError, excerpt, input_errors
 from gclip.corrections import Correction, Corrections, read_corrections
-
-Align = Literal["auto", "turn", "icp", "none"]
-Labels = Literal["auto", "consistent", "independent", "ignore"]
-Segment = Literal["auto", "organs", "thin"]
-Up = Literal["auto", "x", "y", "z", "-x", "-y", "-z"]
-Transport = Literal["auto", "exact", "sinkhorn", "whole"]
-Decay = Literal["fall", "fade", "remove"]
-Paths = Literal["auto", "straight", "curved"]
-Colors = Literal["scan", "segment", "none"]
-Ground = Literal["auto", "keep"]
-Precision = Literal["auto", "float32"]
-
 
 MAX_COORDINATE = 1e12
 MAX_UNIT_LENGTH = 100  # characters
 
+Check = tuple[Callable[[Any], Any], str]
+"""Whether the value of an option is allowed, and what is needed if it is not."""
 
-def option(default: Any, help: str, **settings: Any) -> Any:
-    """A dataclass field that is an option of `bake`.
-
-    Parameters
-    ----------
-    default : Any
-    help : str
-    **settings
-        Arguments of `typer.Option`, such as `min` and `max`; or ``positive=True``.
-    """
-    return field(default=default, metadata={"help": help, **settings})
+POSITIVE: Check = (lambda number: 0 < number < inf, "a number above 0")
+NAMES: Check = (lambda text: not text or text.strip(", "), "a name")
 
 
-def parse_root(text: str) -> tuple[float, float, float] | Literal["virtual"]:
-    """Parse the argument of --root. Raises InputError unless it is coordinates or "virtual"."""
-    if text == "virtual":
-        return "virtual"
+def option(default: Any, help: str, check: Check | None = None, **settings: Any) -> Any:
+    """A dataclass field that is an option of `bake`; settings: arguments of `typer.Option`."""
+    if "min" in settings:
+        low, high = settings["min"], settings.get("max", inf)
+        needed = f"at least {low}" if high == inf else f"from {low} to {high}"
+        check = (lambda number: low <= number <= high), needed
+        settings = {"metavar": "N"} | settings
+    return field(default=default, metadata={"help": help, "check": check, **settings})
+
+
+def _is_root(root: Any) -> bool:
+    is_position = isinstance(root, tuple) and len(root) == 3
+    return root == "virtual" or (is_position and all(abs(x) <= MAX_COORDINATE for x in root))
+
+
+def _are_columns(text: str) -> bool:
+    named = [name for name in text.split(",") if name not in ("-", "_", "")]
+    return not text or (len(set(named)) == len(named) and {"x", "y", "z"} <= set(named))
+
+
+def parse_root(text: str) -> tuple[float, ...] | str:
+    """Parse the argument of --root: coordinates, or another text; `Options` checks which."""
     try:
-        x, y, z = (float(part) for part in text.split(","))
+        return tuple(float(part) for part in text.split(","))
     except ValueError:
-        raise InputError(
-            f'--root is "{text}"; three numbers, like 0,0,-12.5, or virtual is needed.'
-        ) from None
-    return x, y, z
+        return text
 
 
 def parse_corrections(text: str) -> Corrections:
@@ -62,25 +59,28 @@ def parse_corrections(text: str) -> Corrections:
 class Options:
     """The options of a bake and their defaults, with the texts of `bake --help`."""
 
-    align: Align = option(
+    align: Literal["auto", "turn", "icp", "none"] = option(
         "auto",
         "Bring the scans into one frame: auto leaves those that share one; turn turns each about "
         "the vertical, onto the one before; icp aligns as the paper does; none moves no scan.",
     )
-    labels: Labels = option(
+    labels: Literal["auto", "consistent", "independent", "ignore"] = option(
         "auto",
         "What the labels mean: consistent, an organ has the same one in all scans; independent, "
         "organs are numbered anew in each scan; ignore finds organs without them.",
     )
-    segment: Segment = option(
+    segment: Literal["auto", "organs", "thin"] = option(
         "auto",
         "How organs are found: auto takes the labels where there are any; organs finds stem, "
         "leaves and branches; thin cuts at forks, as the paper does.",
     )
-    up: Up = option("auto", "The axis along which the plant grows up.")
+    up: Literal["auto", "x", "y", "z", "-x", "-y", "-z"] = option(
+        "auto", "The axis along which the plant grows up."
+    )
     root: tuple[float, float, float] | Literal["virtual"] | None = option(
         None,
         "Where the stem leaves the ground, as coordinates; or virtual if no organ is a stem.",
+        (_is_root, "a place, like 0,0,-12.5, or virtual"),
         parser=parse_root,
         metavar="X,Y,Z",
     )
@@ -93,16 +93,21 @@ class Options:
         None, "The column or field of the scans that holds the labels of organs.", metavar="NAME"
     )
     drop_label: str = option(
-        "", "Leave out points with label L, a pot's for example; with several: L,M.", metavar="L"
+        "",
+        "Leave out points with label L, a pot's for example; with several: L,M.",
+        NAMES,
+        metavar="L",
     )
     columns: str = option(
         "",
         "The columns of scans that are text, such as x,y,z,r,g,b,-,label; - skips one.",
+        (_are_columns, "each of x, y, z and other names once, - for a column that is not used,"),
         metavar="NAMES",
     )
     fields: str = option(
         "",
         "Scalar fields of the scans to carry into the clip, such as ndvi,temperature.",
+        NAMES,
         metavar="NAMES",
     )
     corrections: tuple[Correction, ...] | None = option(
@@ -112,74 +117,62 @@ class Options:
         parser=parse_corrections,
         metavar="FILE",
     )
-    scale: float = option(1.0, "Multiply all coordinates by this.", metavar="FACTOR", positive=True)
-    ground: Ground = option(
+    scale: float = option(
+        1.0, "Multiply all coordinates by this.", metavar="FACTOR", check=POSITIVE
+    )
+    ground: Literal["auto", "keep"] = option(
         "auto", "Soil or a table under the plant: auto removes it, keep leaves it."
     )
     voxel: float | None = option(
         None,
         "Thin the scans to one point of each organ in each cube of this edge length.",
         metavar="SIZE",
-        positive=True,
+        check=POSITIVE,
     )
     outliers: float | None = option(
         None,
         "Remove stray points: those whose distance from their neighbours is R standard deviations "
         "above the mean; try 2.",
         metavar="R",
-        positive=True,
+        check=POSITIVE,
     )
     resample: int | None = option(
-        None, "Thin the scans to about N points each, evenly spread.", metavar="N", min=10
+        None, "Thin the scans to about N points each, evenly spread.", min=10
     )
-    every: int = option(1, "Use every N-th scan only.", metavar="N", min=1)
-    transport: Transport = option(
+    every: int = option(1, "Use every N-th scan only.", min=1)
+    transport: Literal["auto", "exact", "sinkhorn", "whole"] = option(
         "auto",
         "How points are paired within organs: exact, at the least cost; sinkhorn, nearly so, as in "
         "the paper; whole, exactly, but over the whole plant at once. auto is exact.",
     )
     neighbors: int = option(
-        15,
-        "For --transport sinkhorn: nearest points that each may be paired with.",
-        metavar="K",
-        min=1,
+        15, "For --transport sinkhorn: nearest points that each may be paired with.", min=1
     )
     gamma: float = option(
         0.3,
         "For --transport sinkhorn: its regularisation, as a share of the median cost.",
         metavar="SHARE",
-        positive=True,
+        check=POSITIVE,
     )
     tolerance: float = option(
         1e-3,
         "For --transport sinkhorn: it stops below this share of misplaced mass.",
         metavar="ERROR",
-        positive=True,
+        check=POSITIVE,
     )
-    iterations: int = option(
-        2000, "For --transport sinkhorn: the most iterations.", metavar="N", min=1
-    )
+    iterations: int = option(2000, "For --transport sinkhorn: the most iterations.", min=1)
     graph_neighbors: int = option(
-        15, "For --segment thin: the neighbours that each point is linked with.", metavar="K", min=1
+        15, "For --segment thin: the neighbours that each point is linked with.", min=1
     )
     bifurcation: int | None = option(
-        None,
-        "For --segment thin: a branch longer than N links begins a new segment.",
-        metavar="N",
-        min=0,
+        None, "For --segment thin: a branch longer than N links begins a new segment.", min=0
     )
     paper: bool = option(False, "Use the methods of Golla et al. (2020) throughout.")
     holdout: int | None = option(
-        None,
-        "Leave every N-th scan out, and measure how far the film is from it.",
-        metavar="N",
-        min=2,
+        None, "Leave every N-th scan out, and measure how far the film is from it.", min=2
     )
     bud: int | None = option(
-        None,
-        "Points of the parent that a new organ unfolds from; usually 1 % of them.",
-        metavar="L",
-        min=1,
+        None, "Points of the parent that a new organ unfolds from; usually 1 % of them.", min=1
     )
     even: float | None = option(
         None,
@@ -192,55 +185,42 @@ class Options:
     smooth: bool = option(
         False, "Calm organs that sway; the film then passes near the scans, not through them."
     )
-    decay: Decay = option("fall", "What an organ does that is not in the next scan.")
-    paths: Paths = option("auto", "How points travel: straight, or curved as organs bend.")
-    colors: Colors = option(
+    decay: Literal["fall", "fade", "remove"] = option(
+        "fall", "What an organ does that is not in the next scan."
+    )
+    paths: Literal["auto", "straight", "curved"] = option(
+        "auto", "How points travel: straight, or curved as organs bend."
+    )
+    colors: Literal["scan", "segment", "none"] = option(
         "scan", "Colours of the points: scan, the scans' own; segment, one for each organ; or none."
     )
-    precision: Precision = option(
+    precision: Literal["auto", "float32"] = option(
         "auto", "How the clip stores coordinates: auto in 16 bits where that is fine enough."
     )
-    unit: str = option("", "The scans' unit of length, such as mm.", metavar="UNIT")
-    workers: int = option(0, "How many cores to use; 0 takes all.", metavar="N", min=0)
+    unit: str = option(
+        "",
+        "The scans' unit of length, such as mm.",
+        (lambda unit: len(unit) <= MAX_UNIT_LENGTH, f"one of at most {MAX_UNIT_LENGTH} characters"),
+        metavar="UNIT",
+    )
+    workers: int = option(0, "How many cores to use; 0 takes all.", min=0)
 
     def __post_init__(self) -> None:
         """Raise InputError for a wrong value, naming the option and what is allowed."""
         hints = get_type_hints(Options)
         for each in fields(Options):
-            value, allowed = getattr(self, each.name), get_args(hints[each.name])
-            low, high = each.metadata.get("min", -inf), each.metadata.get("max", inf)
-            needed = ""
-            if get_origin(hints[each.name]) is Literal and value not in allowed:
-                needed = f"one of {', '.join(allowed)}"
-            elif each.metadata.get("positive") and value is not None and not 0 < value < inf:
-                needed = "a number above 0"
-            elif (low, high) != (-inf, inf) and value is not None and not low <= value <= high:
-                needed = f"at least {low}" if high == inf else f"from {low} to {high}"
-            elif each.name in ("drop_label", "fields") and value and not value.strip(", "):
-                needed = "a name"
-            if needed:
-                found = f"{value:g}" if isinstance(value, float) else value
+            value, choices = getattr(self, each.name), get_args(hints[each.name])
+            check = each.metadata["check"]
+            if get_origin(hints[each.name]) is Literal:
+                check = choices.__contains__, f"one of {', '.join(choices)}"
+            if check and value is not None and not check[0](value):
+                found = excerpt(f"{value:g}" if isinstance(value, float) else str(value))
                 name = each.name.replace("_", "-")
-                raise InputError(f"--{name} is {found}; {needed} is needed.")
-        if isinstance(self.root, tuple) and not max(map(abs, self.root)) <= MAX_COORDINATE:
-            raise InputError(
-                f"--root is {','.join(f'{axis:g}' for axis in self.root)}; numbers from "
-                f"{-MAX_COORDINATE:g} to {MAX_COORDINATE:g} are allowed."
-            )
-        if len(self.unit) > MAX_UNIT_LENGTH:
-            raise InputError(
-                f"--unit has {len(self.unit)} characters; at most {MAX_UNIT_LENGTH} are allowed."
-            )
+                raise InputError(f"--{name} is {found}; {check[1]} is needed.")
         if self.corrections and (self.paper or self.whole or self.segment == "thin"):
             raise InputError(
                 "Corrections are of organs that are followed, not for --paper, --segment thin or "
                 "--transport whole; --corrections none bakes without them."
-            )
-        named = [name for name in self.columns.split(",") if name not in ("-", "_", "")]
-        if self.columns and (len(set(named)) < len(named) or not {"x", "y", "z"} <= set(named)):
-            raise InputError(
-                f"--columns is {self.columns}; x, y, z and other names, each once, are needed, and "
-                "- for a column that is not used."
             )
 
     @property
@@ -271,12 +251,13 @@ class Options:
         straight = self.paper if self.paths == "auto" else self.paths == "straight"
         # Additional movers follow curved paths next to those of others.
         even = 0.0 if self.paper or straight else 1.0
-        segment: Segment = "thin" if self.paper else "organs"
         return replace(
             self,
             align="icp" if self.paper and self.align == "auto" else self.align,
             labels="ignore" if self.whole or self.segment != "auto" else self.labels,
-            segment=segment if self.segment == "auto" else self.segment,
+            segment=("thin" if self.paper else "organs")
+            if self.segment == "auto"
+            else self.segment,
             transport="sinkhorn" if self.paper and self.transport == "auto" else self.transport,
             paths="straight" if straight else "curved",
             even=even if self.even is None else self.even,

@@ -59,7 +59,7 @@ class Survey:
     aligned: AlignedSeries
     held_out: tuple[HeldOutScan, ...]
     labels: LabelUse
-    corrections: tuple[PointCorrection, ...] = ()
+    corrections: tuple[PointCorrection, ...]
 
     @property
     def findings(self) -> tuple[Finding, ...]:
@@ -192,12 +192,11 @@ def survey_series(
         choices.labels,
         raw.label_field,
     )
-    survey = Survey(raw, series, options, alignment, aligned, held_out, labels)
-    if not (corrections := options.corrections):
-        return survey
-    labels = replace(labels, findings=(*labels.findings, corrections_finding(corrections)))
+    corrections = options.corrections or ()
+    if corrections:
+        labels = replace(labels, findings=(*labels.findings, corrections_finding(corrections)))
     located = locate_corrections(corrections, raw, series, aligned, options.scale)
-    return replace(survey, labels=labels, corrections=located)
+    return Survey(raw, series, options, alignment, aligned, held_out, labels, located)
 
 
 def _measure(
@@ -247,16 +246,14 @@ def _segment(
             found if given is None else given
             for given, found in zip(labels.labels, segmented, strict=True)
         ]
-    if corrections:
-        organs = with_corrected_organs(organs, aligned, corrections)
+    organs = with_corrected_organs(organs, aligned, corrections)
     labels = labels.with_given(organs)
     if not is_complete or not (labels.consistent or options.paper):
         hierarchies = coarse_hierarchies(clouds, organs, bases)
         labels = follow_labels(labels, clouds, hierarchies, bases, corrections)
         organs = labels.given
-    if corrections:
-        organs = relinked(organs, corrections)
-        labels = replace(labels, labels=tuple(organs), names=organ_names(organs, corrections))
+    organs = relinked(organs, corrections)
+    labels = replace(labels, labels=tuple(organs), names=organ_names(organs, corrections))
     return labels, labelled_hierarchies(
         clouds,
         organs,

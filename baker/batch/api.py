@@ -88,10 +88,7 @@ def bake(
 def _scan_files(
     scans: str | PathLike[str] | Sequence[Any], attributes: Mapping[str, Sequence[ArrayLike | None]]
 ) -> Iterator[list[Path]]:
-    """The files of the scans; scans in memory are written to temporary NPY and NPZ files.
-
-    attributes: "labels" and "colors", an array or None for each scan.
-    """
+    """The files of the scans; those in memory are written to temporary files, with attributes."""
     if isinstance(scans, str | PathLike) or not isinstance(scans, Iterable):  # one point cloud
         scans = [scans]
     scans = list(scans)
@@ -102,13 +99,7 @@ def _scan_files(
         paths = []
         for index, scan in enumerate(scans):
             data = {n: np.asarray(v[index]) for n, v in attributes.items() if v[index] is not None}
-            if not isinstance(scan, str | PathLike):
-                paths.append(_write_scan(scan, data, Path(folder, f"scans[{index}]")))
-            elif data:
-                name = fspath(scan)
-                raise InputError(f"{min(data)} are for scans in memory; '{name}' is a file.")
-            else:
-                paths.append(Path(scan))
+            paths.append(_scan_file(scan, data, Path(folder, f"scans[{index}]")))
         try:
             yield paths
         except InputError as error:
@@ -116,8 +107,13 @@ def _scan_files(
             raise InputError(message) from None
 
 
-def _write_scan(scan: Any, attributes: PointData, path: Path) -> Path:
-    """Write a scan in memory to a file and return its path; `path` has no suffix."""
+def _scan_file(scan: Any, attributes: PointData, path: Path) -> Path:
+    """The file of a scan; one in memory is written to `path` with a suffix."""
+    if isinstance(scan, str | PathLike):
+        if attributes:
+            found = f"'{fspath(scan)}' is a file"
+            raise InputError(f"{min(attributes)} are for scans in memory; {found}.")
+        return Path(scan)
     if hasattr(scan, "point") or hasattr(scan, "points"):
         data = _cloud_data(scan)
     else:

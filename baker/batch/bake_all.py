@@ -2,17 +2,17 @@
 
 import sys
 from collections import Counter
-from collections.abc import Callable, Generator, Mapping, Sequence
-from concurrent.futures import Future, as_completed
-from contextlib import closing
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import as_completed
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryFile
 
-from baker.batch.cluster import bake_on_cluster
+from baker.batch.cluster import cluster_pool, task_errors
 from baker.batch.outputs import Outputs, check_output
-from baker.batch.parallel import process_pool
-from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
+from baker.batch.parallel import Submit, WorkerDied, process_pool
+from baker.batch.plant import Outcome, PlantJob, bake_plant
 from baker.errors import InputError
 from baker.geometry.parallel import worker_count
 from baker.options import Options
@@ -22,29 +22,13 @@ from gclip.terminal.progress import StageProgress
 from gclip.text import Lossy, printable
 from traits.plants import TraitsTable
 
-ATTEMPTS = 2  # to bake a plant whose worker process is killed
-
 
 def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> int:
     """Bake many plants, folders of scans by name; if one fails, go on with the others.
 
-    Parameters
-    ----------
-    plants : dict
-        Name -> folder of scans.
-    options : Options
-    outputs : Outputs
-        The clip and the report are folders.
-
-    Returns
-    -------
-    int
-        The exit code: 1 if the program was at fault for any plant, else 2 if any input was, else 0.
-
-    Raises
-    ------
-    InputError
-        If no plant can be baked with these options and outputs.
+    outputs: the clip and the report are folders. Returns the exit code: 1 if the program was at
+    fault for any plant, else 2 if any input was, else 0. Raises InputError if no plant can be baked
+    with these options and outputs.
     """
     check_output(outputs.traits, True, "a table of traits", ".csv")  # an old table is extended
     if options.corrections:
@@ -55,15 +39,18 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
         _make_folder(folder)
     table = TraitsTable(outputs.traits) if outputs.traits else None
     jobs = [_job(name, plants[name], options, outputs, table) for name in plants]
+    workers = worker_count(options.workers)
+    processes = max(1, min(workers, len(jobs)))  # fewer plants than cores use several cores each
     outcomes: dict[str, Outcome] = {}
     with StageProgress(outputs.quiet) as progress:
         progress("plants", 0, len(jobs))
-        if outputs.cluster is None:
-            found = bake_here(jobs, worker_count(options.workers))
+        if outputs.cluster:
+            pool, cores = cluster_pool(outputs.cluster, progress.say), 1
         else:
-            found = bake_on_cluster(jobs, outputs.cluster, progress.say)
-        with closing(found):
-            for outcome in found:
+            pool, cores = process_pool(processes), workers // processes
+        with pool as submit:
+            errors = task_errors if outputs.cluster else nullcontext
+            for outcome in bake_plants(submit, jobs, cores, errors):
                 _report(outcome, len(outcomes) + 1, len(jobs), progress, outputs.verbose)
                 if table:
                     table.add(outcome.name, outcome.traits)
@@ -79,42 +66,27 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
     return OUR_FAULT if OUR_FAULT in codes else max(codes, default=DONE)
 
 
-def bake_here(
-    jobs: Sequence[PlantJob], workers: int, bake: Callable[[PlantJob], Outcome] = bake_plant
-) -> Generator[Outcome]:
-    """Bake in worker processes, one for each core; fewer plants than cores use several cores each.
+def bake_plants(
+    submit: Submit,
+    jobs: Sequence[PlantJob],
+    cores: int,
+    task_errors: Callable[[], AbstractContextManager[None]] = nullcontext,
+    bake: Callable[[PlantJob], Outcome] = bake_plant,
+) -> Iterator[Outcome]:
+    """Bake plants as tasks of an executor; yields their outcomes as soon as they are ready.
 
-    Parameters
-    ----------
-    jobs : sequence of PlantJob
-    workers : int
-        Number of cores to use.
-    bake : callable
-        Bakes one plant.
-
-    Yields
-    ------
-    Outcome
-        As soon as it is ready. Closing the generator stops the processes.
+    cores: number of cores for each plant; task_errors: a context that may raise WorkerDied.
     """
-    from pebble import ProcessExpired
-
-    processes = max(1, min(workers, len(jobs)))
-    cores = workers // processes
     jobs = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
-    with process_pool(processes) as submit:
-        for attempt in range(1, ATTEMPTS + 1):
-            futures: dict[Future, PlantJob] = {submit(bake, job): job for job in jobs}
-            jobs = []
-            for future in as_completed(futures):
-                job = futures.pop(future)  # frees the result as well
-                try:
-                    yield future.result()
-                except ProcessExpired:
-                    if attempt < ATTEMPTS:
-                        jobs.append(job)
-                    else:
-                        yield WorkerDied(attempt).outcome(job)
+    futures = {submit(bake, job): job for job in jobs}
+    for future in as_completed(futures):
+        job = futures.pop(future)  # frees the result as well
+        try:
+            with task_errors():
+                outcome = future.result()
+        except WorkerDied as died:
+            outcome = Outcome(job.name, "failed", code=OUR_FAULT, error=str(died))
+        yield outcome
 
 
 def _report(
@@ -131,21 +103,21 @@ def _job(
     name: str, folder: Path, options: Options, outputs: Outputs, table: TraitsTable | None
 ) -> PlantJob:
     """The job of one plant, with absolute paths, since workers may have other working folders."""
-    clip, report = outputs.clip / f"{name}.gclip", outputs.report
+    here = Path.cwd()
     plant_outputs = replace(
         outputs,
-        clip=clip.absolute(),
-        report=report and (report / f"{name}.html").absolute(),
-        cache=outputs.cache and outputs.cache.absolute(),
+        clip=here / outputs.clip / f"{name}.gclip",
+        report=outputs.report and here / outputs.report / f"{name}.html",
+        cache=outputs.cache and here / outputs.cache,
     )
-    options = replace(options, times=options.times and options.times.absolute())
+    options = replace(options, times=options.times and here / options.times)
     known = table.known(name) if table else None
-    return PlantJob(name, folder.absolute(), options, plant_outputs, known)
+    return PlantJob(name, here / folder, options, plant_outputs, known)
 
 
 def _make_folder(folder: Path) -> None:
-    if folder.is_file() or folder.suffix.lower() in (".html", ".htm"):
-        raise InputError(f"{folder} is a file's name; many plants' reports need a folder's.")
+    if folder.is_file() or folder.suffix.lower() in (".html", ".htm", ".gclip"):
+        raise InputError(f"{folder} is a file's name; what many plants have needs a folder's.")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=folder).close()  # whether files can be written there

@@ -1,11 +1,8 @@
-"""Cache solved intervals in a folder (`bake --cache DIR`).
+"""Cache solved intervals in a folder (`bake --cache DIR`), which several bakes may use at once.
 
 The key of an interval is a digest of everything that it depends on: its job, the program's code,
-the versions of its packages and the type of the machine. The entry is MessagePack, which executes
-no code on reading, after a digest of its bytes.
-
-Many bakes on several machines may use one folder at the same time, so it has plain files and no
-database.
+the versions of its packages and the type of the machine. The entry, a file, is MessagePack, which
+executes no code on reading, after a digest of its bytes.
 """
 
 import platform
@@ -34,40 +31,29 @@ class Cache:
 
     Entries that are missing, damaged or of another job are solved and written again. A bake goes on
     where an interval can't be written. Raises InputError where the folder can't be made.
-
-    Attributes
-    ----------
-    found, solved : int
-        The number of intervals that were read from the folder, and that were not.
-    trouble : str
-        Why an interval could not be written, "" if all could.
     """
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
-        self.found = self.solved = 0
-        self.trouble = ""
+        self.found = self.solved = 0  #: intervals that were read from the folder, and that were not
+        self.trouble = ""  #: why an interval could not be written, "" if all could
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{folder} can't be a cache: {error.strerror or error}.") from None
 
-    def kept_intervals(self, solve: IntervalSolver) -> IntervalSolver:
-        """Wrap a solver: intervals in the cache are not solved, others are written to it."""
-
-        def look_up(
-            jobs: Sequence[IntervalJob], report_progress: ReportProgress
-        ) -> Iterator[Interval]:
-            keys = [self._key(job) for job in jobs]
-            tracks = 1 + max((task.organ for job in jobs for task in job.tasks), default=0)
-            cached = [self._read(key, job, tracks) for key, job in zip(keys, jobs, strict=True)]
-            missing = [job for job, interval in zip(jobs, cached, strict=True) if interval is None]
-            self.found, self.solved = len(jobs) - len(missing), len(missing)
-            solved = iter(solve(missing, report_progress))
-            for key, interval in zip(keys, cached, strict=True):
-                yield self._write(key, next(solved)) if interval is None else interval
-
-        return look_up
+    def solve(
+        self, solve: IntervalSolver, jobs: Sequence[IntervalJob], report_progress: ReportProgress
+    ) -> Iterator[Interval]:
+        """Solve the intervals that are not in the cache, and write them to it; yields all."""
+        keys = [self._key(job) for job in jobs]
+        tracks = 1 + max((task.organ for job in jobs for task in job.tasks), default=0)
+        cached = [self._read(key, job, tracks) for key, job in zip(keys, jobs, strict=True)]
+        missing = [job for job, interval in zip(jobs, cached, strict=True) if interval is None]
+        self.found, self.solved = len(jobs) - len(missing), len(missing)
+        solved = iter(solve(missing, report_progress))
+        for key, interval in zip(keys, cached, strict=True):
+            yield self._write(key, next(solved)) if interval is None else interval
 
     def summary(self) -> str:
         """How many intervals were found, and why others could not be written."""
@@ -75,14 +61,14 @@ class Cache:
         return f"{found}; not all others could be kept: {self.trouble}" if self.trouble else found
 
     @cached_property
-    def _program(self) -> bytes:
-        """Digest of the code, the packages and the machine; if one changes, no entry is found."""
+    def _program(self) -> tuple[Any, ...]:
+        """The packages, the machine and the code; if one changes, no entry is found."""
         import baker
         import gclip
 
         folders = [Path(str(package.__file__)).parent for package in (baker, gclip)]
         code = [path.read_bytes() for folder in folders for path in sorted(folder.rglob("*.py"))]
-        return sha256(_encoded((software(), platform.machine(), code))).digest()
+        return software(), platform.machine(), sha256(b"".join(code)).digest()
 
     def _key(self, job: Any) -> str:
         return sha256(_encoded((self._program, job))).hexdigest()

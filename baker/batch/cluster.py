@@ -7,77 +7,48 @@ no shared folder.
 """
 
 import logging
-from collections.abc import Callable, Generator, Iterator, Sequence
-from concurrent.futures import CancelledError, as_completed
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from baker.batch.plant import Outcome, PlantJob, WorkerDied, bake_plant
+from baker.batch.parallel import Submit, WorkerDied
 from baker.errors import InputError
 from baker.geometry.parallel import ReportProgress
 from baker.interpolation.interval_job import IntervalJob, IntervalSolver, solve_by
 from baker.interpolation.provenance import software
 from gclip.clip import Interval
 
-if TYPE_CHECKING:
-    from distributed import Client
-
 LOGS = ("distributed", "distributed.client", "distributed.worker", "asyncio")
 TIMEOUT = 5  # seconds to connect to a scheduler
 CONFIG = {"distributed.admin.large-graph-warning-threshold": "1TB"}  # jobs contain scans
 
 
-def bake_on_cluster(
-    jobs: Sequence[PlantJob], address: str, say: Callable[[str], None]
-) -> Generator[Outcome]:
-    """Bake plants on all workers of a cluster.
+@contextmanager
+def cluster_pool(address: str, say: Callable[[str], None]) -> Iterator[Submit]:
+    """The workers of a cluster; yields the function that submits tasks to them.
 
-    Parameters
-    ----------
-    jobs : sequence of PlantJob
-    address : str
-        Of the scheduler, or the name of the scheduler's file.
-    say : callable
-        Called with messages for the user.
-
-    Yields
-    ------
-    Outcome
-        As soon as it is ready.
-
-    Raises
-    ------
-    InputError
-        If dask.distributed is not installed, no scheduler answers, or a worker has other versions.
+    address: of the scheduler, or the name of the scheduler's file; say: called with messages for
+    the user. Raises InputError if dask.distributed is not installed, no scheduler answers, or a
+    worker has other versions.
     """
     with _connected(address) as client:
-        cores = sum(client.nthreads().values())
-        if not cores:
+        if not client.nthreads():
             say(f"{address} has no workers yet; it is waited for them")
-        # If there are fewer plants than cores, each interval of a plant is a task, too.
-        solve = _solve_from_worker if len(jobs) < cores else None
-        bake, executor = Checked(partial(bake_plant, solve=solve)), client.get_executor(pure=False)
-        jobs = [replace(job, options=replace(job.options, workers=1)) for job in jobs]
-        futures = {executor.submit(bake, job): job for job in jobs}
+        executor, ours = client.get_executor(pure=False), versions()
         try:
-            for future in as_completed(futures):
-                job = futures.pop(future)  # frees the result as well
-                try:
-                    with _task_errors():
-                        yield future.result()
-                except WorkerDied as died:
-                    yield died.outcome(job)
+            yield lambda function, job: executor.submit(Checked(function, ours), job)
         finally:
             executor.shutdown(wait=False)
 
 
 @contextmanager
 def interval_solver(address: str) -> Iterator[IntervalSolver]:
-    """A solver of one plant's intervals on a cluster. Raises InputError as `bake_on_cluster`."""
+    """A solver of one plant's intervals on a cluster. Raises InputError as `cluster_pool`."""
     with _connected(address) as client:
         yield partial(_solve, client)
 
@@ -101,38 +72,27 @@ class Checked:
     def __call__(self, job: Any) -> Any:
         from distributed import get_worker
 
-        found = versions()
-        for name, ours in self.versions.items():
-            if found[name] != ours:
+        for name, found in versions().items():
+            if found != (ours := self.versions.get(name)):
                 raise InputError(
-                    f"The cluster's worker {get_worker().address} has {name} {found[name]}, but "
-                    f"here it is {ours}; install the same on both."
+                    f"The cluster's worker {get_worker().address} has {name} {found}, but here it "
+                    f"is {ours}; install the same on both."
                 )
         return self.function(job)
 
 
 def _solve(
-    client: "Client", jobs: Sequence[IntervalJob], report_progress: ReportProgress
+    client: Any, jobs: Sequence[IntervalJob], report_progress: ReportProgress
 ) -> Iterator[Interval]:
-    def map_on_cluster(function: Callable, jobs: Sequence[IntervalJob]) -> Iterator[Interval]:
-        return client.get_executor(pure=False).map(Checked(function), jobs)
-
-    with _task_errors():
-        yield from solve_by(map_on_cluster, jobs, report_progress)
-
-
-def _solve_from_worker(
-    jobs: Sequence[IntervalJob], report_progress: ReportProgress
-) -> Iterator[Interval]:
-    """Solve intervals as further tasks; while this task waits, its worker runs some of them."""
-    from distributed import worker_client
-
-    with worker_client() as client:
-        yield from _solve(client, jobs, report_progress)
+    executor = client.get_executor(pure=False)
+    with task_errors():
+        yield from solve_by(
+            lambda solve, jobs: executor.map(Checked(solve), jobs), jobs, report_progress
+        )
 
 
 @contextmanager
-def _task_errors() -> Iterator[None]:
+def task_errors() -> Iterator[None]:
     """Turn exceptions of dask about a task into ours, with a sentence for the user."""
     from distributed import KilledWorker
 
@@ -152,7 +112,8 @@ def _task_errors() -> Iterator[None]:
 
 
 @contextmanager
-def _connected(address: str) -> Iterator["Client"]:
+def _connected(address: str) -> Iterator[Any]:
+    """A `distributed.Client` of the scheduler."""
     try:
         import dask
         import distributed

@@ -1,52 +1,43 @@
 """Run the command `bake`: list what would be baked, or bake one plant or many."""
 
-from collections.abc import Sequence
+import sys
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import nullcontext, suppress
 from functools import partial
 from pathlib import Path
-from shutil import rmtree
+from shutil import get_terminal_size, rmtree
 
 from baker.batch.bake_all import bake_all
 from baker.batch.cache import Cache
 from baker.batch.cluster import interval_solver
-from baker.batch.listing import finding_lines, list_plants
-from baker.batch.outputs import Outputs, check_cache, check_not_input, check_output
+from baker.batch.outputs import Outputs, check_not_input, check_output
 from baker.batch.plant import bake_into, with_corrections
 from baker.batch.plants import find_plants
 from baker.errors import InputError
+from baker.geometry.parallel import thread_map, worker_count
 from baker.options import Options
+from baker.pipeline import survey_series
 from baker.report.summary import summary_lines, verdict_line
 from baker.report.verification import error_lines
 from baker.scans import Finding
+from baker.scans.scan import TOPICS
 from baker.transport.compile import compile_kernels
 from gclip.corrections import corrections_file
 from gclip.terminal.progress import StageProgress
+from gclip.text import Lossy, printable
 from traits.plants import write_traits
 
 MIN_BYTES_TO_CACHE = 64 * 2**20  # of scans; a larger bake takes minutes and keeps its intervals
+UNWRAPPED = 10**6  # width of lines that are not printed to a terminal
 
 
 def run(
     inputs: Sequence[Path], output: str, options: Options, outputs: Outputs, list_only: bool
 ) -> int:
-    """List or bake the inputs.
+    """List or bake scans, folders of scans, or folders of plants; returns the exit code.
 
-    Parameters
-    ----------
-    inputs : sequence of Path
-        Scans, folders of scans, or folders of plants.
-    output : str
-        The argument of -o as it was typed, since a slash at its end means a folder.
-    options : Options
-    outputs : Outputs
-        What is written besides the clip.
-    list_only : bool
-        Whether the plants are listed and not baked.
-
-    Returns
-    -------
-    int
-        The exit code: 0 if all went well, 2 for bad input, 1 for a fault of the program.
+    output: the argument of -o as it was typed, since a slash at its end means a folder.
     """
     if not output and not list_only:
         raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")
@@ -64,20 +55,62 @@ def run(
     return 0
 
 
+def list_plants(
+    plants: Mapping[str, Path], inputs: Sequence[Path], options: Options, quiet: bool = False
+) -> None:
+    """Print the scans of each plant, and what a bake would decide about them.
+
+    plants: folders by name; empty if the `inputs` are of one plant. If one of many plants can't be
+    read, the reason is listed instead.
+    """
+    out = Lossy(sys.stdout)
+    for name, folder in plants.items():
+        try:
+            lines = _survey_lines([folder], options, quiet)
+        except InputError as error:
+            lines = [str(error)]
+        out.write("\n".join([f"{printable(name)}:", *(f"    {line}" for line in lines), "\n"]))
+    if not plants:
+        out.write("\n".join([*_survey_lines(inputs, options, quiet), ""]))
+
+
+def finding_lines(findings: Iterable[Finding]) -> list[str]:
+    """Format findings as lines: topic, "sure" or "look at this", and what was found.
+
+    On a terminal, long lines are wrapped and indented.
+    """
+    width, lines = get_terminal_size((UNWRAPPED, 0)).columns, []
+    for each in sorted(findings, key=lambda finding: TOPICS.index(finding.topic)):
+        text = printable(f"{each.found}: {each.remark}" if each.doubt else each.found)
+        head = f"{each.topic:<8}{'look at this' if each.doubt else 'sure':<14}"
+        lines += textwrap.wrap(text, width, initial_indent=head, subsequent_indent=" " * len(head))
+    return lines
+
+
+def _survey_lines(inputs: Sequence[Path], options: Options, quiet: bool) -> list[str]:
+    """The time, name and number of points of each scan, and the findings about the series."""
+    with StageProgress(quiet) as progress, thread_map(worker_count(options.workers)) as map:
+        survey = survey_series(inputs, options, progress, map)
+    scans = survey.series.scans
+    rows = [(scan.date, printable(scan.name), f"{len(scan):,} points") for scan in scans]
+    d, n, p = (max(len(cell) for cell in column) for column in zip(*rows, strict=True))
+    lines = [f"{date:<{d}}  {name:<{n}}  {points:>{p}}" for date, name, points in rows]
+    return [*lines, "", *finding_lines(survey.findings)]
+
+
 def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None:
     """Bake one plant, write its outputs and print a summary.
 
     Raises UserError: before it starts, if an output can't be written, or exists and may not be
     replaced; later, if the scans or options are wrong.
     """
+    cache = Cache(outputs.cache) if outputs.cache else None
     check_output(outputs.clip, outputs.force, "a clip", ".gclip")
     check_output(outputs.report, outputs.force, "a report", ".html", ".htm")
     check_output(outputs.traits, outputs.force, "a table of traits", ".csv")
-    check_cache(outputs)
     temporary_cache = outputs.clip.with_name(f".{outputs.clip.name}.begun")
-    is_large = _bytes_of(inputs) >= MIN_BYTES_TO_CACHE
-    folder = outputs.cache or (temporary_cache if is_large else None)
-    cache = Cache(folder) if folder else None
+    if cache is None and _bytes_of(inputs) >= MIN_BYTES_TO_CACHE:
+        cache = Cache(temporary_cache)
     corrected = with_corrections(options, outputs.clip)
     is_compiled = not outputs.cluster and options.resolved().transport != "sinkhorn"
     on_cluster = interval_solver(outputs.cluster) if outputs.cluster else nullcontext()

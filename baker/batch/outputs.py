@@ -1,6 +1,5 @@
 """The output files of a bake, and checks whether they can be written."""
 
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,10 +42,7 @@ class Outputs:
 
 
 def check_output(path: Path | None, force: bool, kind: str, *suffixes: str) -> None:
-    """Raise UserError if a file has a wrong suffix, can't be written or would be overwritten.
-
-    kind: what the file is, for the message: "a clip".
-    """
+    """Raise UserError if a file, "a clip" for example, has a wrong suffix or can't be written."""
     if path is None:
         return
     if path.suffix.lower() not in suffixes:
@@ -60,13 +56,3 @@ def check_not_input(table: Path, inputs: Iterable[Path]) -> None:
         same = table.parent if path.is_dir() else table
         if same.exists() and path.exists() and same.samefile(path):
             raise InputError(f"{table} is among the inputs; write it elsewhere.")
-
-
-def check_cache(outputs: Outputs) -> None:
-    """Raise InputError if the cache's folder is, or is in, the path of an output file."""
-    if outputs.cache is None:
-        return
-    folder = Path(os.path.realpath(outputs.cache))  # resolve() fails where links form a loop
-    for path in filter(None, (outputs.clip, outputs.report, outputs.traits)):
-        if Path(os.path.realpath(path)) in (folder, *folder.parents):
-            raise InputError(f"--cache {outputs.cache}: {path} is to be a file; name a folder.")

@@ -1,98 +1,60 @@
-"""A pool of worker processes in which a killed worker loses only its own task."""
+"""Worker processes in which a killed worker loses only its own task."""
 
-import os
-import signal
-import sys
-import time
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future
-from contextlib import contextmanager
-from multiprocessing import get_context, parent_process
-from multiprocessing.connection import Connection
-from threading import Thread
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from functools import partial
+from queue import SimpleQueue
 from typing import Any
 
-ORPHAN_TIMEOUT = 5.0  # seconds that a task may take to end once the parent process has ended
-TERM_TIMEOUT = 20.0  # the same once the parent process terminates it, on a machine that may be busy
-PRELOADED = ["baker.cli", "baker.pipeline", "numba", "scipy.spatial", "scipy.sparse.csgraph"]
-# A fork server forks workers from a process that has loaded our libraries and has no threads.
-START_METHOD = "forkserver" if sys.platform == "linux" else "spawn"
+from baker.scans.child_process import ChildEnded, ChildProcess
+
+ATTEMPTS = 2  # at a task whose worker process is killed
+PATIENCE = 20.0  # seconds until a task that is stopped is killed, on a machine that may be busy
 
 Submit = Callable[..., "Future[Any]"]
 """``submit(function, *arguments)``"""
+
+
+class WorkerDied(RuntimeError):
+    """A worker process was killed during a task, most likely because memory ran out."""
+
+    def __init__(self, times: int) -> None:
+        super().__init__(
+            f"a worker process was killed {times} times at the same task; most likely the scans "
+            "need more memory than there is: try fewer points (--voxel, --resample) or fewer "
+            "processes (--workers)."
+        )
 
 
 @contextmanager
 def process_pool(workers: int) -> Iterator[Submit]:
     """Start worker processes; yields the function that submits tasks to them.
 
-    If a worker is killed, its future raises `pebble.ProcessExpired` and a new worker is started.
-    The workers are not forked from this process, whose threads may hold locks. They ignore Ctrl-C
-    and end with this process, in whatever way. If the context is left by an exception, SystemExit
-    is raised in their tasks, so that half-written files are removed. Functions, arguments and
-    results are pickled.
+    If a worker is killed, its task is tried once more in a new one, and then raises WorkerDied. A
+    terminal's Ctrl-C does not reach the workers, which end with this process, in whatever way. When
+    the context is left, KeyboardInterrupt is raised in their tasks, so that half-written files are
+    removed. Functions, arguments and results are pickled.
     """
-    from pebble import CONSTS, ProcessPool
+    children = [ChildProcess(stderr=None) for _ in range(workers)]
+    free: SimpleQueue[ChildProcess] = SimpleQueue()
+    for child in children:
+        free.put(child)
 
-    term_timeout, CONSTS.term_timeout = CONSTS.term_timeout, TERM_TIMEOUT
-    _start_fork_server()
-    context = get_context(START_METHOD)
-    reader, writer = context.Pipe(duplex=False)
-    pool = ProcessPool(workers, initializer=_follow_parent, initargs=[writer], context=context)
+    def call(function: Callable[..., Any], *arguments: Any) -> Any:
+        child = free.get()
+        try:
+            for _ in range(ATTEMPTS):
+                with suppress(ChildEnded):
+                    return child.call(-1, function, *arguments)
+            raise WorkerDied(ATTEMPTS)
+        finally:
+            free.put(child)
+
+    threads = ThreadPoolExecutor(workers)
     try:
-        yield lambda function, *arguments: pool.schedule(_run, [function, *arguments])
-        pool.close()
-    except BaseException:
-        for _ in range(workers):  # a worker stopped while it starts would print a traceback
-            if reader.poll(ORPHAN_TIMEOUT / workers):
-                reader.recv()
-        pool.stop()
-        raise
+        yield lambda function, *arguments: threads.submit(call, function, *arguments)
     finally:
-        pool.join()
-        CONSTS.term_timeout = term_timeout
-
-
-def _start_fork_server() -> None:
-    """Start the fork server before it is needed, so that it loads libraries meanwhile."""
-    if START_METHOD != "forkserver":
-        return
-    from multiprocessing import forkserver, resource_tracker, set_forkserver_preload
-
-    set_forkserver_preload(PRELOADED)
-    resource_tracker.ensure_running()  # before SIGINT is blocked, since starting it unblocks it
-    # The fork server and its children inherit the mask: only this process reacts to Ctrl-C.
-    mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        forkserver.ensure_running()
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, mask)
-
-
-def _follow_parent(started: Connection) -> None:
-    """Run in a worker as it starts: make it end with the parent process, or when terminated."""
-    signal.signal(signal.SIGTERM, _end_task)
-    started.send(True)
-
-    def end_with_parent() -> None:
-        parent = parent_process()
-        assert parent is not None
-        parent.join()
-        os.kill(os.getpid(), signal.SIGTERM)
-        time.sleep(ORPHAN_TIMEOUT)
-        os._exit(1)
-
-    Thread(target=end_with_parent, daemon=True).start()
-
-
-def _run(function: Callable[..., Any], *arguments: Any) -> Any:
-    """Run a task in a worker; if it is terminated, end the process, which starts no other task."""
-    try:
-        return function(*arguments)
-    except SystemExit:
-        os._exit(1)
-
-
-def _end_task(number: int, frame: object) -> None:
-    signal.signal(number, signal.SIG_IGN)
-    raise SystemExit(128 + number)
+        threads.shutdown(wait=False, cancel_futures=True)
+        with ThreadPoolExecutor(workers) as stopping:
+            stopping.map(partial(ChildProcess.stop, patience=PATIENCE), children)

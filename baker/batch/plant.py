@@ -57,25 +57,8 @@ class Outcome:
     looks: str = ""  # "7 of 8 intervals look right"
 
 
-class WorkerDied(RuntimeError):
-    """A worker process was killed during a task, most likely because memory ran out."""
-
-    def __init__(self, times: int) -> None:
-        super().__init__(
-            f"a worker process was killed {times} times at the same task; most likely the scans "
-            "need more memory than there is: try fewer points (--voxel, --resample) or fewer "
-            "processes (--workers)."
-        )
-
-    def outcome(self, job: PlantJob) -> Outcome:
-        return Outcome(job.name, "failed", code=OUR_FAULT, error=str(self))
-
-
-def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
-    """Bake one plant unless its clip is up to date. Exceptions are returned in the outcome.
-
-    solve: the solver of its intervals, by default threads of this process.
-    """
+def bake_plant(job: PlantJob) -> Outcome:
+    """Bake one plant unless its clip is up to date. Exceptions are returned in the outcome."""
     start, outputs = time.perf_counter(), job.outputs
     try:
         job = replace(job, options=with_corrections(job.options, outputs.clip))
@@ -84,7 +67,7 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
         if clip is None:
             cache = Cache(outputs.cache) if outputs.cache else None
             outputs = replace(outputs, force=True)
-            clip, _ = bake_into(outputs, [job.folder], job.options, cache, solve)
+            clip, _ = bake_into(outputs, [job.folder], job.options, cache)
         table = io.StringIO()
         if outputs.traits and provenance(clip) != job.known:
             write_table(table, Namer(clip, job.name), measure_days(clip))
@@ -94,7 +77,7 @@ def bake_plant(job: PlantJob, solve: IntervalSolver | None = None) -> Outcome:
             traceback.print_exc()
         seconds = time.perf_counter() - start
         return Outcome(job.name, "failed", seconds=seconds, code=code, error=sentence)
-    line = clip.provenance.get("verdict", {"line": ""})["line"]  # clips of old versions have none
+    line = clip.provenance["verdict"]["line"]
     return Outcome(
         job.name,
         state,
@@ -127,39 +110,20 @@ def bake_into(
 ) -> tuple[Clip, list[HoldoutError]]:
     """Bake a plant, write its clip and report, and compare it with the scans held out.
 
-    Parameters
-    ----------
-    outputs : Outputs
-    inputs : sequence of Path
-        A folder of scans, or the scans' files.
-    cache : Cache, optional
-        Keeps the solved intervals.
-    options, solve, progress, announce
-        As in `bake_recorded`.
-
-    Returns
-    -------
-    clip : Clip
-    errors : list of HoldoutError
+    inputs: a folder of scans, or the scans' files; cache: keeps the solved intervals; `options`,
+    `solve`, `progress`, `announce`: as in `bake_recorded`.
     """
     if cache is not None:
         solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-        solve = cache.kept_intervals(solve)
+        solve = partial(cache.solve, solve)
     clip, survey = bake_recorded(inputs, options, progress, solve, announce=announce)
     progress("writing", 0, 1)
     clip.save(outputs.clip, outputs.force)  # another bake may have been faster
     progress("writing", 1, 1)
     errors = verify(clip, progress)
     if outputs.report is not None:
-        write_report(
-            outputs.report,
-            clip,
-            survey,
-            errors,
-            title=outputs.clip.name,
-            workers=options.workers,
-            report_progress=progress,
-        )
+        title = outputs.clip.name
+        write_report(outputs.report, clip, survey, errors, title=title, report_progress=progress)
     return clip, errors
 
 
@@ -171,24 +135,25 @@ def current_clip(job: PlantJob) -> Clip | None:
     folder holds no series of scans.
     """
     path, report = job.outputs.clip, job.outputs.report
-    if not path.exists() or (report and not report.exists()):
-        return None
-    if report and report.stat().st_mtime < path.stat().st_mtime:  # the bake ended before the report
-        return None
     try:
+        written = [file.stat().st_mtime for file in (path, report) if file]
         clip = gclip.open(path)
-    except gclip.ClipError:
+    except (OSError, gclip.ClipError):
+        return None
+    if written != sorted(written):  # the bake ended before the report
         return None
     listing = list_series([job.folder], job.options)
     series = listing.series
     resolved = job.options.for_series(series.fixed, series.length, series.root)
-    moments = {scan.name: (scan.time, scan.date) for scan in series.scans}
-    if any(moments.get(scan.name) != (scan.time, scan.date) for scan in clip.scans):
-        return None
     expected = {
-        **software((scan.path for scan in series.scans), job.options.outliers),
+        **software(),
         "options": resolved.provenance(),
         "inputs": [{"name": s.name, "sha256": digest(listing.files(s))} for s in series.scans],
     }
+    moments, baked = (
+        {(scan.name, scan.time, scan.date) for scan in scans}
+        for scans in (series.scans, clip.scans)
+    )
     found = {key: clip.provenance.get(key) for key in expected}
-    return clip if found == json.loads(json.dumps(expected)) else None  # tuples as lists
+    is_current = found == json.loads(json.dumps(expected)) and baked <= moments  # tuples as lists
+    return clip if is_current else None

@@ -11,52 +11,29 @@ from baker.scans.times.schedule import natural_key
 
 
 def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
-    """Find the plants to bake, if the inputs are more than one plant.
+    """Find the plants to bake, folders by name; none if the inputs are the scans of one plant.
 
     Several folders are one plant each, and so are the folders in a folder without scans. The folder
     of the clips, which a pattern such as */ may include, is not a plant.
 
-    Parameters
-    ----------
-    inputs : sequence of Path
-    output : str
-        The argument of -o: the folder of the clips, or "" where nothing is written.
-
-    Returns
-    -------
-    dict
-        Name -> folder, in the order given; empty if the inputs are the scans of one plant.
-
-    Raises
-    ------
-    InputError
-        For files among folders, two plants of one name, or an output that is not a folder.
+    output: the argument of -o, "" where nothing is written. Raises InputError for files among
+    folders, or two plants of one name.
     """
     folders = [path for path in inputs if path.is_dir()]
-    if not folders and not names_folder(output):
+    if not folders:
         return {}
     for path in inputs:
         require_exists(path)
-        if folders and not path.is_dir():
+        if not path.is_dir():
             raise InputError(
                 f"'{path}' is a file and '{folders[0]}' a folder: give folders, a plant each (*/ "
                 "names folders only), or only the files of one plant's scans."
             )
-    if not folders:
-        raise InputError(
-            f"-o {output} is a folder, but the files are scans of one plant: name its clip, such "
-            f"as {Path(output) / 'plant.gclip'}."
-        )
     if len(folders) == 1:
-        if not _is_plant(folders[0]):
+        if not _may_be_plant(folders[0]):
             folders = _plants_below(folders[0])
-        elif not names_folder(output):
+        elif not (output.endswith(("/", os.sep)) or (output and Path(output).is_dir())):
             return {}
-    if output and not names_folder(output):
-        raise InputError(
-            f"-o {output}: the clips of {len(folders)} plants need a folder; name one that is "
-            f"there, or with a slash to have it made, such as {Path(output).with_suffix('')}/."
-        )
     clips, plants = Path(output), dict[str, Path]()
     for folder in folders:
         if clips.exists() and folder.samefile(clips):
@@ -70,18 +47,9 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
     return plants
 
 
-def names_folder(output: str) -> bool:
-    """Whether the argument of -o is a folder: it exists, or the name ends in a slash."""
-    return bool(output) and (output.endswith(("/", os.sep)) or Path(output).is_dir())
-
-
-def _is_plant(folder: Path) -> bool:
-    return find_camera(folder) is not None or holds_scans(folder)
-
-
 def _may_be_plant(folder: Path) -> bool:
     try:
-        return _is_plant(folder)
+        return find_camera(folder) is not None or holds_scans(folder)
     except InputError:  # the folder can't be read; its bake will fail and say why
         return True
 

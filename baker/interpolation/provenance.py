@@ -1,8 +1,7 @@
 """Describe a clip: its organs as tracks, and its provenance."""
 
-from collections.abc import Iterable, Sequence
-from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
+from collections.abc import Sequence
+from importlib.metadata import distributions
 from typing import Any
 
 from baker.alignment import Alignment
@@ -12,9 +11,10 @@ from baker.matching import Organ
 from baker.matching.labels import LabelUse
 from baker.options import Options
 from baker.scans import Series
-from baker.scans.formats import READERS, suffix_of
 from baker.segmentation.hierarchy import Hierarchy
 from gclip import Track, __version__
+
+PACKAGES = ("numpy", "scipy", "numba", "open3d", "open3d-cpu")
 
 
 def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -> tuple[Track, ...]:
@@ -101,7 +101,7 @@ def describe_provenance(
         notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
     findings = (*series.findings, *alignment.findings, *labels.findings)
     return {
-        **software((scan.path for scan in raw.scans), options.outliers),
+        **software(),
         "options": options.provenance(),
         "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in raw.scans],
         "origins": [scan.origin.tolist() for scan in raw.scans],
@@ -111,28 +111,15 @@ def describe_provenance(
     }
 
 
-def software(
-    scans: Iterable[Path] = (), outliers: float | None = None
-) -> dict[str, dict[str, str]]:
+def software() -> dict[str, dict[str, str]]:
     """Versions of the program, and of the packages on which the numbers in a clip depend.
-
-    Parameters
-    ----------
-    scans : iterable of Path
-        If one is a mesh, Open3D is one of the packages.
-    outliers : float, optional
-        The option of that name; if outliers are removed, Open3D is one of the packages.
 
     Returns
     -------
     dict
         "program": its name and version; "packages": their versions by name.
     """
-    packages = {name: version(name) for name in ("numpy", "scipy", "numba")}
-    if outliers is not None or any(READERS.get(suffix_of(path)) == "mesh" for path in scans):
-        try:
-            packages["open3d"] = version("open3d")
-        except PackageNotFoundError:
-            packages["open3d"] = version("open3d-cpu")
+    found = [each for name in PACKAGES for each in distributions(name=name)]
+    packages = {each.name.removesuffix("-cpu"): each.version for each in found}
     program = {"name": "plant-growth-clips", "version": __version__}
     return {"program": program, "packages": packages}

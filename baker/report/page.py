@@ -1,22 +1,16 @@
 """Write the report of a bake: gather its contents and fill in the HTML template."""
 
 import os
+from collections import Counter
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from math import ceil, floor
+from math import ceil, floor, log10
 from pathlib import Path
 from typing import Any
 
 from baker.options import Options
 from baker.pipeline import Survey
-from baker.report.pictures import (
-    MAX_DOUBTS_PICTURED,
-    NoPicture,
-    round_length,
-    scans_pictured,
-    take_pictures,
-)
+from baker.report.pictures import MAX_DOUBTS_PICTURED, NoPicture, scans_pictured, take_pictures
 from baker.report.verification import HoldoutError, overall
 from baker.verdict.doubt import command_for, doubts_in, group_by_interval, headline, interval_dates
 from gclip import Clip
@@ -35,7 +29,6 @@ def write_report(
     errors: Sequence[HoldoutError],
     *,
     title: str = "growth clip",
-    workers: int = 0,
     report_progress: Callable[[str, int, int], None] = lambda stage, done, total: None,
 ) -> None:
     """Write the report of a bake as one self-contained HTML file, or no file if that fails.
@@ -52,8 +45,6 @@ def write_report(
         As `verify` returns them.
     title : str
         Such as the clip's file name.
-    workers : int
-        Number of cores to use, 0 for all.
     report_progress : callable
         Called with the name of a stage, the steps done and their total.
 
@@ -67,13 +58,11 @@ def write_report(
     report_progress("report", 0, 1)
     with atomic_file(Path(path)) as part:
         pictures, no_pictures = None, ""
-        with ThreadPoolExecutor(1) as executor:  # while other processes render
-            measuring = executor.submit(trait_curves, clip, largest_organs(clip))
-            try:
-                pictures = take_pictures(clip, by_interval, part.parent, workers)
-            except NoPicture as error:
-                no_pictures = str(error)
-        measured = measuring.result()
+        try:
+            pictures = take_pictures(clip, by_interval, part.parent, survey.options.workers)
+        except NoPicture as error:
+            no_pictures = str(error)
+        measured = trait_curves(clip, largest_organs(clip))
         curves = {trait: [c for c in measured if c.trait == trait] for trait in plotted(clip)}
         page = _template().render(
             title=title,
@@ -105,10 +94,10 @@ def write_report(
 
 def largest_organs(clip: Clip) -> list[int]:
     """Track ids of the `MAX_CURVES` organs with the most points."""
-    sizes = dict.fromkeys(range(len(clip.track_table)), 0)
+    sizes = Counter({track.id: 0 for track in clip.track_table})
     for pair in (pair for interval in clip.intervals for pair in interval.segments):
         sizes[pair.track] = max(sizes[pair.track], pair.start_points, pair.end_points)
-    return sorted(sorted(sizes, key=lambda track: -sizes[track])[:MAX_CURVES])
+    return sorted(track for track, _ in sizes.most_common(MAX_CURVES))
 
 
 def ticks(curves: Sequence[TraitCurve]) -> list[float]:
@@ -116,7 +105,8 @@ def ticks(curves: Sequence[TraitCurve]) -> list[float]:
     low = min((curve.bottom for curve in curves), default=0.0)
     high = max((curve.top for curve in curves), default=1.0)
     high = high if high > low else low + (abs(low) or 1.0)
-    step = round_length(2.5 * (high - low) / MAX_TICKS)  # rounds down by a factor of up to 2.5
+    power = 10.0 ** floor(log10((high - low) / MAX_TICKS))
+    step = next(n * power for n in (1, 2, 5, 10) if n * power * MAX_TICKS >= high - low)
     return [step * k for k in range(floor(low / step), ceil(high / step) + 1)]
 
 
@@ -132,7 +122,6 @@ def _template() -> Any:
 
 
 def _significant(number: float) -> str:
-    """Format a number with three significant digits, or with none after the point."""
     return f"{number:,.0f}" if abs(number) >= 1000 else f"{number:.3g}"
 
 

@@ -5,35 +5,29 @@ interval is rendered from a clip of that interval alone, so that the camera is c
 """
 
 import base64
-import json
 import subprocess
 import sys
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from math import floor, log10
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from baker.geometry.parallel import worker_count
 from baker.verdict import Doubt
 from gclip import Clip, ClipError
 
 PLAYER_TIMEOUT = 600.0  # seconds
-JPEG_QUALITY = 90  # a tenth of the size of PNG, since the background is dithered
 PIXELS = 90_000  # of one picture
 MIN_ASPECT, MAX_ASPECT = 0.62, 1.5  # width : height of a picture
 MAX_SCANS_PICTURED = 12
 MAX_DOUBTS_PICTURED = 3  # intervals, the most doubtful ones
-MAX_BAR = 0.3  # of a picture's width
 NEUTRAL_COLOR = (150, 158, 146)  # of organs that are not in doubt
 
-Job = tuple[Clip, Sequence[float], str]
-"""The work of one player process: a clip, the times to render, and the name of a colour mode."""
+Job = tuple[Clip, Sequence[float], Sequence[str]]
+"""The work of one player process: a clip, the times to render, and further options of `play`."""
 
 
 class NoPicture(Exception):
@@ -48,19 +42,10 @@ def scans_pictured(clip: Clip) -> list[int]:
 
 
 @dataclass(frozen=True)
-class ScaleBar:
-    """A scale bar for the pictures of the scans, which share one camera."""
-
-    length: float  #: a round length in the clip's unit
-    share: float  #: of the width of a picture
-
-
-@dataclass(frozen=True)
 class Pictures:
     """The pictures of a report, as data URLs."""
 
     scans: list[str]  #: those of `scans_pictured`, from one camera
-    scale_bar: ScaleBar
     errors: list[str]  #: distance of the clip from each scan left out (the paper's Figure 13)
     doubts: list[list[str]]  #: start, middle and end of the most doubtful intervals
 
@@ -76,34 +61,19 @@ def take_pictures(
     """
     shown = [clip.times[k] for k in scans_pictured(clip)]
     held = [scan.time for scan in clip.held_out]
-    jobs: list[Job] = [(clip, shown, "track")]
-    jobs += [(clip, held, "error")] if held else []
+    jobs: list[Job] = [(clip, shown, ["--color=track", "--scale-bar"])]
+    jobs += [(clip, held, ["--color=error", "--legend"])] if held else []
     for group in doubts[:MAX_DOUBTS_PICTURED]:
         start, end = group[0].start, group[0].end
-        jobs.append((_doubtful_clip(clip, group), [start, (start + end) / 2, end], "track"))
+        times = [start, (start + end) / 2, end]
+        jobs.append((_doubtful_clip(clip, group), times, ["--color=track"]))
     with (
         TemporaryDirectory(dir=folder) as drafts,
         ThreadPoolExecutor(worker_count(workers)) as executor,
     ):
         paths = [Path(drafts, f"{number}.gclip") for number in range(len(jobs))]
-        (scans, view), *others = executor.map(_render, jobs, paths)
-    pictures = [rendered for rendered, _ in others]
-    errors = pictures.pop(0) if held else []
-    return Pictures(scans, _scale_bar(clip, view), errors, doubts=pictures)
-
-
-def round_length(maximum: float) -> float:
-    """The largest of ..., 1, 2, 5, 10, ... that is at most `maximum`."""
-    power = 10.0 ** floor(log10(maximum))
-    return max(digit * power for digit in (1.0, 2.0, 5.0) if digit * power <= maximum)
-
-
-def _scale_bar(clip: Clip, view: NDArray[np.float64]) -> ScaleBar:
-    """A scale bar at the depth of the plant's centre, from the (4, 4) matrix of the camera."""
-    x, _, _, depth = view @ [*np.mean(clip.bounds, axis=0), 1.0]
-    share = float(np.linalg.norm(view[0, :3] - x / depth * view[3, :3]) / depth / 2)
-    length = round_length(MAX_BAR / share)
-    return ScaleBar(length, length * share)
+        scans, *others = executor.map(_render, jobs, paths)
+    return Pictures(scans, errors=others.pop(0) if held else [], doubts=others)
 
 
 def _doubtful_clip(clip: Clip, doubts: Sequence[Doubt]) -> Clip:
@@ -118,15 +88,12 @@ def _doubtful_clip(clip: Clip, doubts: Sequence[Doubt]) -> Clip:
     return replace(clip, scans=scans, intervals=intervals, track_table=table, held_out=())
 
 
-def _render(job: Job, path: Path) -> tuple[list[str], NDArray[np.float64]]:
-    """Write the clip to `path` and render it; the pictures and the (4, 4) matrix of the camera."""
-    import imageio.v3 as iio
-
-    clip, times, color = job
+def _render(job: Job, path: Path) -> list[str]:
+    """Write the clip to `path` and render it; the pictures are in the order of the times."""
+    clip, times, options = job
     folder = path.with_suffix("")
-    command = [sys.executable, "-m", "player", str(path), "--ground=light", "--quiet"]
-    command += [f"--color={color}", f"--export={folder}/%d.png", f"--size={_picture_size(clip)}"]
-    command += ["--legend"] if color == "error" else []
+    command = [sys.executable, "-m", "player", str(path), "--ground=light", "--quiet", *options]
+    command += [f"--export={folder}/%d.jpg", f"--size={_picture_size(clip)}"]
     command += [f"--day={time!r}" for time in times]
     try:
         clip.save(path)
@@ -137,11 +104,8 @@ def _render(job: Job, path: Path) -> tuple[list[str], NDArray[np.float64]]:
         raise NoPicture(f"the player did not answer ({type(error).__name__})") from None
     if result.returncode:
         raise NoPicture((result.stderr.strip() or "the player said nothing").splitlines()[-1])
-    jpeg: Any = {"extension": ".jpg", "quality": JPEG_QUALITY, "subsampling": 0, "optimize": True}
-    names = [folder / f"{number}.png" for number in range(len(times))]
-    files = [iio.imwrite("<bytes>", iio.imread(name), plugin="pillow", **jpeg) for name in names]
-    view = np.array(json.loads(iio.immeta(names[0], plugin="pillow")["view"]))
-    return ["data:image/jpeg;base64," + base64.b64encode(file).decode() for file in files], view
+    files = [(folder / f"{number}.jpg").read_bytes() for number in range(len(times))]
+    return ["data:image/jpeg;base64," + base64.b64encode(file).decode() for file in files]
 
 
 def _picture_size(clip: Clip) -> str:

@@ -67,22 +67,19 @@ def verify(
 def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
     """Mean of the means, mean of the deviations and largest maximum, in both directions."""
     figures = np.array([error.both for error in errors])  # (errors, 2 directions, 3 statistics)
-    merged = np.concatenate([figures[..., :2].mean(axis=0), figures[..., 2:].max(axis=0)], axis=1)
-    to_scan, to_reconstruction = merged.tolist()
-    return Distances(*to_scan), Distances(*to_reconstruction)
+    mean, highest = figures.mean(axis=0).tolist(), figures.max(axis=0).tolist()
+    first, second = (Distances(m[0], m[1], h[2]) for m, h in zip(mean, highest, strict=True))
+    return first, second
 
 
 def error_lines(errors: Sequence[HoldoutError], unit: str) -> list[str]:
-    """Format the errors as a table, with two rows for each scan and for all together."""
-    rows = [("left out", f"distance{unit and f', {unit}'}", "mean", "std", "max")]
-    named = [(f"{error.date}, {error.name}", error.both) for error in errors]
-    for name, both in named + ([("all", overall(errors))] if len(errors) > 1 else []):
-        directions = zip(("reconstruction to scan", "scan to reconstruction"), both, strict=True)
-        for label, (direction, distances) in zip((name, ""), directions, strict=True):
-            mean, deviation, maximum = (f"{distance:.3g}" for distance in distances)
-            rows.append((label, direction, mean, deviation, maximum))
-    width = max(len(row[0]) for row in rows)
+    """Format the errors as a table, with a row for each scan and one for all together."""
+    rows = [(f"{error.date}, {error.name}", error.both) for error in errors]
+    rows += [("all", overall(errors))] if len(errors) > 1 else []
+    title = f"left out{unit and f' ({unit})'}"
+    width = max(len(title), *(len(name) for name, _ in rows))
     return [
-        f"{name:<{width}}  {direction:<27}" + "".join(f"{figure:>10}" for figure in figures)
-        for name, direction, *figures in rows
+        f"{'':<{width}}{'reconstruction to scan':>30}{'scan to reconstruction':>30}",
+        f"{title:<{width}}" + f"{'mean':>10}{'std':>10}{'max':>10}" * 2,
+        *(f"{n:<{width}}" + "".join(f"{v:>10.3g}" for d in both for v in d) for n, both in rows),
     ]

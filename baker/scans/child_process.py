@@ -1,7 +1,7 @@
 """Call functions in a child process: a crash there, or too much memory, is an exception here.
 
-`multiprocessing` can't be used: worker processes of pebble and dask may not start its children, and
-it would run a script without ``if __name__ == "__main__"`` a second time.
+`multiprocessing` can't be used: worker processes of dask may not start its children, and it would
+run a script without ``if __name__ == "__main__"`` a second time.
 """
 
 import os
@@ -10,11 +10,13 @@ import signal
 import sys
 from collections.abc import Callable
 from contextlib import suppress
-from subprocess import DEVNULL, PIPE, Popen
-from threading import Lock
-from typing import Any, Self
+from functools import partial
+from queue import SimpleQueue
+from subprocess import DEVNULL, PIPE, Popen, TimeoutExpired
+from threading import Lock, Thread
+from typing import Any, BinaryIO, Self
 
-from gclip.terminal.interrupts import STOPS
+from gclip.terminal.interrupts import until_interrupted
 
 
 class ChildEnded(Exception):
@@ -26,37 +28,55 @@ class ChildProcess:
 
     It is started by the first call, and started again by the first call after a crash. It ends when
     this process ends, in whatever way.
+
+    stderr: as in `subprocess.Popen`; by default, what the child prints is not seen.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, stderr: int | None = DEVNULL) -> None:
+        self._stderr = stderr
         self._process: Popen[bytes] | None = None
+        self._is_stopped = False
         self._lock = Lock()
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
+        self.stop()
+
+    def stop(self, patience: float = 0.0) -> None:
+        """Raise KeyboardInterrupt in the child, and kill it if it runs on `patience` seconds."""
+        self._is_stopped = True
         if self._process is not None:
+            assert self._process.stdin
+            self._process.stdin.close()
+            with suppress(TimeoutExpired):
+                self._process.wait(patience)
             self._process.kill()
-            self._process.communicate()
+            self._process.wait()
 
     def call(self, memory: int, function: Callable[..., Any], *arguments: Any) -> Any:
         """Call ``function(*arguments)`` in the child process; return or raise what it does.
 
-        memory: limit of the child's memory in bytes (on Linux). Arguments, result and exception are
-        pickled. Raises ChildEnded where the limit is exceeded or the process ends.
+        memory: limit of the child's memory in bytes (on Linux), -1 for none. Arguments, result and
+        exception are pickled. Raises ChildEnded where the limit is exceeded or the process ends.
         """
         with self._lock:
+            if self._is_stopped:
+                raise ChildEnded("it was stopped")
             if self._process is None or self._process.poll() is not None:
                 path = f"sys.path[:] = {[*map(str, sys.path)]}"
                 program = f"import sys; {path}; from {__name__} import serve; serve()"
                 command = [sys.executable, "-c", program]
-                self._process = Popen(command, stdin=PIPE, stdout=PIPE, stderr=DEVNULL)
+                # In a process group of its own, which a terminal's Ctrl-C does not reach.
+                self._process = Popen(
+                    command, stdin=PIPE, stdout=PIPE, stderr=self._stderr, process_group=0
+                )
             calls, results = self._process.stdin, self._process.stdout
             assert calls
             assert results
             try:
-                pickle.dump((memory, function, arguments), calls)
+                pickle.dump(pickle.dumps((memory, function, arguments)), calls)
                 calls.flush()
                 result = pickle.load(results)
             except (EOFError, OSError, pickle.UnpicklingError):
@@ -64,7 +84,7 @@ class ChildProcess:
                 code = self._process.returncode
                 how = f"by {signal.Signals(-code).name}" if code < 0 else f"with exit code {code}"
                 raise ChildEnded(f"its reader was ended {how}") from None
-        if isinstance(result, MemoryError):
+        if isinstance(result, MemoryError) and memory > 0:
             raise ChildEnded(f"reading it takes more than {memory >> 30} GiB of memory")
         if isinstance(result, BaseException):
             raise result
@@ -72,21 +92,33 @@ class ChildProcess:
 
 
 def serve() -> None:
-    """Run in the child process: call what the parent sends, until the parent ends."""
-    for number in STOPS:  # the parent handles these signals and ends the child
-        signal.signal(number, signal.SIG_IGN)
-    calls, results = sys.stdin.buffer, os.fdopen(os.dup(1), "wb")
+    """Run in the child process: call what the parent sends, until it stops the child or ends."""
+    results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # libraries may print to stdout, which is the pipe of the results
+    calls: SimpleQueue[bytes] = SimpleQueue()
+    Thread(target=_receive, args=[calls], daemon=True).start()
+    with suppress(KeyboardInterrupt, BrokenPipeError):
+        until_interrupted(partial(_call, calls, results))
+    os._exit(1)  # without waiting for threads that still calculate
+
+
+def _receive(calls: "SimpleQueue[bytes]") -> None:
     with suppress(EOFError):
         while True:
-            memory, function, arguments = pickle.load(calls)
-            _limit_memory(memory)
-            try:
-                result = function(*arguments)
-            except BaseException as error:
-                result = error
-            pickle.dump(result, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
-            results.flush()
+            calls.put(pickle.load(sys.stdin.buffer))
+    os.kill(os.getpid(), signal.SIGTERM)  # also while a function is called
+
+
+def _call(calls: "SimpleQueue[bytes]", results: BinaryIO) -> None:
+    while True:
+        memory, function, arguments = pickle.loads(calls.get())
+        _limit_memory(memory)
+        try:
+            result = function(*arguments)
+        except Exception as error:
+            result = error
+        pickle.dump(result, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
+        results.flush()
 
 
 def _limit_memory(memory: int) -> None:

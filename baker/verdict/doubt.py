@@ -38,9 +38,14 @@ def doubts_in(clip: Clip) -> list[Doubt]:
 def describe_verdict(clip: Clip, doubts: Sequence[Doubt]) -> str:
     """One sentence: how many intervals look right, and what is wrong in the most doubtful ones."""
     by_interval = group_by_interval(doubts)
-    named = sorted(by_interval[:MAX_INTERVALS_NAMED], key=lambda group: group[0].start)
-    clauses = [f"{interval_dates(clip, group[0])}: {_describe_group(group)}" for group in named]
-    if unnamed := len(by_interval) - len(named):
+    clauses = []
+    for group in sorted(by_interval[:MAX_INTERVALS_NAMED], key=lambda group: group[0].start):
+        # Two organs that may be mixed up are two doubts with the same clause.
+        what = list(dict.fromkeys(doubt.what for doubt in group))
+        named, unnamed = what[:MAX_DOUBTS_NAMED], len(what) - MAX_DOUBTS_NAMED
+        named += [f"and {unnamed} more"] * (unnamed > 0)
+        clauses.append(f"{interval_dates(clip, group[0])}: {', '.join(named)}")
+    if unnamed := len(by_interval) - len(clauses):
         clauses.append(f"and {unnamed} more interval{'s' * (unnamed > 1)}")
     return "; ".join([headline(clip, doubts), *clauses]) + "."
 
@@ -53,13 +58,6 @@ def headline(clip: Clip, doubts: Sequence[Doubt]) -> str:
     if not wrong:
         return f"All {count} intervals look right"
     return f"{count - wrong or 'None'} of {count} intervals look{'s' * (count - wrong < 2)} right"
-
-
-def _describe_group(doubts: Sequence[Doubt]) -> str:
-    # Two organs that may be mixed up are two doubts with the same clause.
-    clauses = list(dict.fromkeys(doubt.what for doubt in doubts))
-    named, unnamed = clauses[:MAX_DOUBTS_NAMED], len(clauses) - MAX_DOUBTS_NAMED
-    return ", ".join(named + [f"and {unnamed} more"] * (unnamed > 0))
 
 
 def command_for(doubt: Doubt, path: str | Path) -> str:

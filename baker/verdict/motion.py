@@ -1,11 +1,9 @@
-"""Measure how the organs of an interval move, on a sample of each organ's movers.
+"""Judge the motion of an organ by the two ends of its movers, on a sample of them.
 
-Lengths are in units of the spacing between the points of the sample.
+The ends are the (2, n, 3) positions of n movers in the first and in the second scan of an interval.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from functools import cached_property
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,110 +11,96 @@ from numpy.typing import NDArray
 
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
 from baker.geometry.neighbors import point_spacing
+from baker.interpolation.organ_shapes import Attachments
+from baker.verdict.doubt import MIN_SHARE
 from gclip import Interval, Motion
 from gclip.evaluate import positions_on_curve
 
 Points = NDArray[np.floating]
 
+# Beyond these thresholds the motion of an organ is doubtful (docs/method.md, "The verdict").
+MAX_TORN_SHARE, MIN_ORDER_CORRELATION = 0.05, 0.5
 SAMPLE_SIZE = 400  # movers of an organ
 MIN_MOVERS = 60  # of an organ that is measured
 MIN_SIZE = 4.0  # likewise, its root mean square size in point spacings
 MIN_DISTINCT = 0.2  # likewise, its share of distinct points; new organs unfold from few points
-PARAMETERS = (0.0, 0.25, 0.5, 0.75, 1.0)  # of the movers' curves, at which they are evaluated
 NEIGHBORS = 6
 NEIGHBOR_DISTANCE, TORN_DISTANCE = 2.5, 8.0  # in point spacings, of neighbours; of torn ones
 TORN_SIZE = 0.7  # in sizes of the organ, torn neighbours are at least so far apart: 1/5 of a rod
 GRAPH_NEIGHBORS = 12
 
 
-@dataclass(frozen=True)
-class SampledMotion:
-    """The motion of one organ from the first to the second scan of an interval."""
+def doubtful_motions(
+    interval: Interval, attachments: tuple[Attachments, Attachments]
+) -> Iterator[tuple[str, float, list[int]]]:
+    """Yield doubts about the motion of large organs that are matched.
 
-    path: NDArray[np.float64]  # (5, n, 3) positions at `PARAMETERS`
-    share: float  # of the interval's movers that belong to the organ
-
-    @property
-    def ends(self) -> tuple[Points, Points]:
-        return self.path[0], self.path[-1]
-
-    @cached_property
-    def distinct(self) -> list[Points]:
-        """The distinct points in both scans: several movers may start or end at one point."""
-        return [np.unique(points, axis=0) for points in self.ends]
-
-    @cached_property
-    def spacing(self) -> float:
-        """Median distance between nearest neighbours, in the scan where it is larger."""
-        return max(map(point_spacing, self.distinct))
-
-    @cached_property
-    def sizes(self) -> NDArray[np.float64]:
-        """(5,) root mean square distances of the points from their mean."""
-        about = self.path - self.path.mean(axis=1, keepdims=True)
-        return np.asarray(np.sqrt((about**2).sum(axis=2).mean(axis=1)))
-
-    @property
-    def is_measurable(self) -> bool:
-        """Whether the organ is large enough in both scans to judge its motion."""
-        count = self.path.shape[1]
-        if count < MIN_MOVERS or min(map(len, self.distinct)) < MIN_DISTINCT * count:
-            return False
-        return bool(self.sizes[[0, -1]].min() >= MIN_SIZE * self.spacing)
-
-    @cached_property
-    def torn_share(self) -> float:
-        """Share of the neighbouring points in one scan that are far apart in the other.
-
-        It is the larger share of both directions: neighbours may be separated, or brought together.
-        """
-        from scipy.spatial import KDTree
-
-        threshold = max(TORN_DISTANCE * self.spacing, TORN_SIZE * self.sizes[-1])
-        shares = []
-        for points, moved in (self.ends, self.ends[::-1]):
-            distance, neighbor = KDTree(points).query(points, NEIGHBORS + 1)
-            i, column = np.nonzero(distance[:, 1:] < NEIGHBOR_DISTANCE * self.spacing)
-            moved_distance = np.linalg.norm(moved[i] - moved[neighbor[i, column + 1]], axis=1)
-            shares.append(float((moved_distance > threshold).mean()) if len(i) else 0.0)
-        return max(shares)
-
-    @property
-    def size_change(self) -> float:
-        """How far the size between the scans leaves the range of their sizes, as a share of these.
-
-        It is positive where the organ is larger between the scans, negative where it is smaller.
-        """
-        low, high = sorted(self.sizes[[0, -1]])
-        shrunk, swollen = 1.0 - self.sizes.min() / low, self.sizes.max() / high - 1.0
-        return float(swollen if swollen > shrunk else -shrunk)
-
-    def order_correlation(self, attachments: Sequence[Points]) -> float:
-        """Rank correlation (Spearman's) of geodesic distances from the attachment in both scans.
-
-        attachments: for both scans, the (c, 3) points by which the organ touches its parent.
-        """
-        from scipy.spatial import KDTree
-
-        ranks = []
-        for points, contact in zip(self.ends, attachments, strict=True):
-            seeds = np.unique(KDTree(points).query(contact)[1])
-            graph = connected_knn_graph(points, GRAPH_NEIGHBORS)[0]
-            # Equivalent to scipy.stats.spearmanr, whose import takes a second.
-            distances = geodesic_distances(graph, seeds)
-            ranks.append(np.argsort(np.argsort(distances, kind="stable")))
-        return float(np.asarray(np.corrcoef(ranks))[0, 1])
-
-
-def sampled_motions(interval: Interval) -> dict[int, SampledMotion]:
-    """Evaluate a sample of each organ's movers; by track id, without organs that are lost."""
+    Each is a clause with {} for the name of an organ, a strength, and a list of the organ's id.
+    attachments: by track id, in the first and in the second scan.
+    """
     stop = max((g.stop for g in interval.groups if g.motion is Motion.MOVE), default=0)
     tracks = np.asarray(interval.tracks[:stop])
-    order = np.argsort(tracks, kind="stable")
-    organs, first, count = np.unique(tracks[order], return_index=True, return_counts=True)
-    sizes = np.minimum(count, SAMPLE_SIZE)
-    sampled = [a + np.arange(n) * c // n for a, n, c in zip(first, sizes, count, strict=True)]
-    movers: Any = order[np.concatenate(sampled)]
-    paths = np.stack([positions_on_curve(interval, movers, u) for u in PARAMETERS]).astype(float)
-    motions = map(SampledMotion, np.split(paths, np.cumsum(sizes)[:-1], axis=1), count / stop)
-    return dict(zip(organs.tolist(), motions, strict=True))
+    for track in sorted({pair.track for pair in interval.segments if pair.event == "match"}):
+        movers = np.flatnonzero(tracks == track)
+        if len(movers) < max(1, MIN_SHARE * stop):
+            continue
+        size = min(len(movers), SAMPLE_SIZE)
+        sample: Any = movers[np.arange(size) * len(movers) // size]
+        ends = np.stack([positions_on_curve(interval, sample, u) for u in (0.0, 1.0)])
+        contacts = [side[track] for side in attachments if track in side]
+        faults = motion_faults(ends.astype(float), contacts)
+        what, strength = max(faults, key=lambda fault: fault[1], default=("", 0.0))
+        if strength >= 1.0:
+            yield what, strength, [track]
+
+
+def motion_faults(ends: Points, attachments: Sequence[Points]) -> Iterator[tuple[str, float]]:
+    """Yield possible faults of an organ's motion: a clause with {} for the organ, and a strength.
+
+    attachments: (c, 3) the points by which the organ touches its parent, in none or both scans. A
+    strength of 1 is just doubtful. An organ of few points or points in few places has no faults.
+    """
+    distinct, count = [np.unique(points, axis=0) for points in ends], ends.shape[1]
+    if count < MIN_MOVERS or min(map(len, distinct)) < MIN_DISTINCT * count:
+        return
+    spacing = max(map(point_spacing, distinct))
+    about = ends - ends.mean(axis=1, keepdims=True)
+    sizes = np.sqrt((about**2).sum(axis=2).mean(axis=1))  # (2,) root mean square sizes
+    if sizes.min() < MIN_SIZE * spacing:
+        return
+    threshold = max(TORN_DISTANCE * spacing, TORN_SIZE * sizes[1])
+    yield "{} tears", torn_share(ends, spacing, threshold) / MAX_TORN_SHARE
+    if len(attachments) == 2:
+        order = order_correlation(ends, attachments)
+        parts = "the tip and the base" if order < 0 else "parts"
+        yield f"{parts} of {{}} change places", (1.0 - order) / (1.0 - MIN_ORDER_CORRELATION)
+
+
+def torn_share(ends: Points, spacing: float, threshold: float) -> float:
+    """Share of the neighbouring points in one scan that are far apart in the other.
+
+    It is the larger share of both directions: neighbours may be separated, or brought together.
+    """
+    from scipy.spatial import KDTree
+
+    shares = [0.0]
+    for points, moved in (ends, ends[::-1]):
+        distance, neighbor = KDTree(points).query(points, NEIGHBORS + 1)
+        i, column = np.nonzero(distance[:, 1:] < NEIGHBOR_DISTANCE * spacing)
+        moved_distance = np.linalg.norm(moved[i] - moved[neighbor[i, column + 1]], axis=1)
+        shares += [float((moved_distance > threshold).mean())] if len(i) else []
+    return max(shares)
+
+
+def order_correlation(ends: Points, attachments: Sequence[Points]) -> float:
+    """Rank correlation (Spearman's) of geodesic distances from the attachment in both scans."""
+    from scipy.spatial import KDTree
+
+    ranks = []
+    for points, contact in zip(ends, attachments, strict=True):
+        seeds = np.unique(KDTree(points).query(contact)[1])
+        graph = connected_knn_graph(points, GRAPH_NEIGHBORS)[0]
+        # Equivalent to scipy.stats.spearmanr, whose import takes a second.
+        distances = geodesic_distances(graph, seeds)
+        ranks.append(np.argsort(np.argsort(distances, kind="stable")))
+    return float(np.asarray(np.corrcoef(ranks))[0, 1])

@@ -75,7 +75,7 @@ def test_wrong_usage(capsys, out):
     refused([], capsys, "INPUT")
     refused(["x", "-o", out, "--align", "sideways"], capsys, "align")
     refused(["x", "-o", out, "--nope"], capsys, "--nope")
-    refused(["x", "-o", out, "--root", "1,2"], capsys, "--root", "1,2")
+    refused(["x", "-o", out, "--root", "1,2"], capsys, "--root is (1.0, 2.0); a place")
     refused(["x", "-o", out, "--workers", "-1"], capsys, "workers")
     refused(["x", "-o", out, "--columns", "x,y,label"], capsys, "x,y,label", "x, y, z")
     refused(["x", "-o", out, "--columns", ","], capsys, "--columns is ,", "x, y, z")

@@ -164,7 +164,8 @@ def test_stopped_in_the_midst_nothing_half_written_and_nobody_stays(tmp_path, ho
 
 
 def children(pid: int) -> list[int]:
-    return list(map(int, Path(f"/proc/{pid}/task/{pid}/children").read_text().split()))
+    of_threads = Path(f"/proc/{pid}/task").glob("*/children")
+    return [int(child) for path in of_threads for child in path.read_text().split()]
 
 
 def alive(pid: int) -> bool:

@@ -4,6 +4,7 @@ import os
 import shutil
 import threading
 from dataclasses import replace
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -21,7 +22,7 @@ PLAIN = Options(align="none", up="z", workers=1)
 
 
 def bake_with(cache, scans, options=PLAIN, solve=solve_intervals):
-    return bake_recorded([*scans], options, solve=cache.kept_intervals(solve))[0]
+    return bake_recorded([*scans], options, solve=partial(cache.solve, solve))[0]
 
 
 @pytest.fixture(scope="module")

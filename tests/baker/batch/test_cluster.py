@@ -16,7 +16,8 @@ import pytest
 from baker.batch import cluster as cluster_module
 from baker.batch.cluster import Checked
 from baker.batch.outputs import Outputs
-from baker.batch.plant import PlantJob, WorkerDied, bake_plant
+from baker.batch.parallel import WorkerDied
+from baker.batch.plant import PlantJob, bake_plant
 from baker.cli import main
 from baker.errors import InputError
 from baker.options import Options
@@ -98,13 +99,6 @@ def task_kinds(cluster: Cluster) -> set[str]:
         return client.run_on_scheduler(lambda dask_scheduler: set(dask_scheduler.task_prefixes))
 
 
-def test_few_plants_share_out_their_intervals(cluster, house, clips, tmp_path):
-    assert not any("solve_interval" in kind for kind in task_kinds(cluster))
-    assert bake(house / "p03", f"{tmp_path}/", cluster.address, "-q") == 0
-    assert files(tmp_path) == {"p03.gclip": clips["p03.gclip"]}
-    assert any("solve_interval" in kind for kind in task_kinds(cluster))
-
-
 def test_nobody_can_reach_a_command_that_uses_a_cluster(cluster, house, tmp_path, monkeypatch):
     """Neither a scheduler nor a page about it is started: nothing here waits for connections."""
     listening = []
@@ -113,10 +107,12 @@ def test_nobody_can_reach_a_command_that_uses_a_cluster(cluster, house, tmp_path
     assert not listening
 
 
-def test_one_plants_clip_is_the_same_too(cluster, house, clips, tmp_path):
+def test_one_plant_shares_out_its_intervals(cluster, house, clips, tmp_path):
+    assert not any("solve_interval" in kind for kind in task_kinds(cluster))
     out = tmp_path / "plant.gclip"
     assert bake(house / "p04", str(out), cluster.address, "-q") == 0
     assert out.read_bytes() == clips["p04.gclip"]
+    assert any("solve_interval" in kind for kind in task_kinds(cluster))
 
 
 def test_a_worker_of_another_version_is_told(cluster):
@@ -189,5 +185,5 @@ def test_without_dask_it_is_told_how_to_install_it(house, tmp_path, capsys, monk
     ],
 )
 def test_what_ends_a_task_is_told_in_a_sentence(error, kind, words):
-    with pytest.raises(kind, match=f"(?i){words}"), cluster_module._task_errors():
+    with pytest.raises(kind, match=f"(?i){words}"), cluster_module.task_errors():
         raise error

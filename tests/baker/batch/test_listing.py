@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from baker.batch.listing import finding_lines
+from baker.batch.command import finding_lines
 from baker.cli import main
 from baker.scans import Finding
 

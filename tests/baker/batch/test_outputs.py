@@ -55,14 +55,17 @@ def test_a_folder_that_nothing_may_be_written_into_is_refused(tmp_path, monkeypa
         check_output(tmp_path / "a.gclip", True, "a clip", ".gclip")
 
 
-@pytest.mark.parametrize("cache", ["p.gclip", "p.html/kept", "../{}/t.csv"])
-def test_a_cache_where_a_file_goes_is_refused_before_the_work(write_scans, tmp_path, capsys, cache):
-    outputs = ["-o", tmp_path / "p.gclip", "--report", tmp_path / "p.html", "--traits"]
-    folder = tmp_path / cache.format(tmp_path.name)
-    words = [write_scans(), *outputs, tmp_path / "t.csv", "--cache", folder]
+def test_a_cache_where_a_file_goes_is_refused_before_the_work(write_scans, tmp_path, capsys):
+    out = tmp_path / "p.gclip"
+    words = [write_scans(), "-o", out, "--cache", out / "kept"]
     assert main([str(word) for word in words]) == 2
-    assert re.fullmatch(r"bake: --cache .* name a folder\.\n", capsys.readouterr().err)
-    assert [path.name for path in tmp_path.iterdir()] == ["scans"]
+    assert capsys.readouterr().err == f"bake: {out} is a folder; a file's name is needed.\n"
+
+
+def test_the_clip_of_one_plants_files_is_a_file(write_scans, tmp_path, capsys):
+    scans = sorted(write_scans().iterdir())
+    assert main([str(word) for word in (*scans, "-o", f"{tmp_path}/")]) == 2
+    assert "the name of a clip ends in .gclip" in capsys.readouterr().err
 
 
 def test_a_cache_that_links_to_itself_is_said(write_scans, tmp_path, capsys):

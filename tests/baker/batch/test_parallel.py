@@ -10,15 +10,14 @@ import sys
 import threading
 import time
 import warnings
-from contextlib import closing, suppress
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
-from pebble import ProcessExpired
 
-from baker.batch.bake_all import bake_here
+from baker.batch.bake_all import bake_plants
 from baker.batch.outputs import Outputs
-from baker.batch.parallel import process_pool
+from baker.batch.parallel import WorkerDied, process_pool
 from baker.batch.plant import Outcome, PlantJob
 from baker.options import Options
 from tests.baker.batch.conftest import write_greenhouse
@@ -74,17 +73,17 @@ def test_a_task_that_kills_its_process_fails_alone() -> None:
     with process_pool(2) as submit:
         doomed, other = submit(die), submit(square, 3)
         assert other.result() == 9
-        with pytest.raises(ProcessExpired):
+        with pytest.raises(WorkerDied):
             doomed.result()
         assert submit(square, 4).result() == 16
 
 
 def test_a_killed_plant_is_baked_once_more(tmp_path: Path) -> None:
     jobs = [_job(tmp_path, f"p{k}") for k in range(3)]
-    with closing(bake_here(jobs, 2, _bake_or_die_once)) as found:
-        assert {outcome.name: outcome.state for outcome in found} == dict.fromkeys(
-            ("p0", "p1", "p2"), "baked"
-        )
+    with process_pool(2) as submit:
+        found = bake_plants(submit, jobs, 1, bake=_bake_or_die_once)
+        states = {outcome.name: outcome.state for outcome in found}
+    assert states == dict.fromkeys(("p0", "p1", "p2"), "baked")
 
 
 def _job(folder: Path, name: str) -> PlantJob:
@@ -100,7 +99,8 @@ def _bake_or_die_once(job: PlantJob) -> Outcome:
 
 def test_a_plant_that_kills_its_process_is_the_programs_fault(tmp_path) -> None:
     jobs = [_job(tmp_path, f"p{k}") for k in range(3)]
-    with closing(bake_here(jobs, 1, _bake_or_die)) as found:
+    with process_pool(1) as submit:
+        found = bake_plants(submit, jobs, 1, bake=_bake_or_die)
         codes = {outcome.name: outcome.code for outcome in found}
     assert codes == {"p0": 0, "p1": 1, "p2": 0}
 
@@ -112,7 +112,7 @@ def _bake_or_die(job: PlantJob) -> Outcome:
 
 
 def test_a_task_that_is_ended_takes_its_process_with_it() -> None:
-    with pytest.raises(ProcessExpired), process_pool(1) as submit:
+    with pytest.raises(WorkerDied), process_pool(1) as submit:
         submit(sys.exit, 3).result()
 
 
@@ -193,7 +193,9 @@ def test_plants_have_the_same_bytes_by_any_number_of_workers(tmp_path: Path) -> 
         options, names = Options(align="none", up="z"), ("a", "b")
         outputs = [Outputs(folder / f"{name}.gclip") for name in names]
         jobs = [PlantJob(n, house / n, options, o) for n, o in zip(names, outputs, strict=True)]
-        assert {outcome.state for outcome in bake_here(jobs, workers)} == {"baked"}
+        with process_pool(min(workers, 2)) as submit:
+            outcomes = list(bake_plants(submit, jobs, cores=max(workers // 2, 1)))
+        assert {outcome.state for outcome in outcomes} == {"baked"}
         found.append({path.name: path.read_bytes() for path in folder.iterdir()})
     assert found[0] == found[1] == found[2]
 

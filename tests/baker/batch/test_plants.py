@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from baker.batch.plants import find_plants
+from baker.cli import main
 from baker.errors import InputError
 from tests.baker.batch.conftest import write_plant
 
@@ -48,14 +49,12 @@ def test_a_plant_has_its_folders_own_name(greenhouse, monkeypatch):
     assert names(find_plants([Path(".")], "../")) == ["p1"]
 
 
-@pytest.mark.parametrize("output", ["house.gclip", "clips"])
-def test_many_plants_need_a_folder(greenhouse, tmp_path, monkeypatch, output):
+def test_the_clips_of_many_plants_are_in_a_folder(greenhouse, tmp_path, monkeypatch, capsys):
     house = greenhouse(["p1", "p2"])
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(InputError, match=output):
-        find_plants([house], output)
-    with pytest.raises(InputError, match="/"):
-        find_plants([house / "p1", house / "p2"], output)
+    assert names(find_plants([house], "clips")) == ["p1", "p2"]
+    assert main([str(house), "-o", "house.gclip"]) == 2
+    assert "house.gclip is a file's name" in capsys.readouterr().err
 
 
 def test_mixtures_and_namesakes_are_told(greenhouse, tmp_path):
@@ -67,8 +66,6 @@ def test_mixtures_and_namesakes_are_told(greenhouse, tmp_path):
     other = write_plant(tmp_path / "other" / "p1", 7)
     with pytest.raises(InputError, match=r"house/p1.*other/p1.*p1\.gclip"):
         find_plants([house / "p1", other], clips)
-    with pytest.raises(InputError, match="one plant"):
-        find_plants(sorted((house / "p1").iterdir()), clips)
     with pytest.raises(InputError, match="no such file"):
         find_plants([house / "p1", house / "p3"], clips)
 
