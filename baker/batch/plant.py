@@ -146,7 +146,7 @@ def current_clip(job: PlantJob) -> Clip | None:
     series = listing.series
     resolved = job.options.for_series(series.fixed, series.length, series.root)
     expected = {
-        **software(),
+        **software((scan.path for scan in series.scans), job.options.outliers),
         "options": resolved.provenance(),
         "inputs": [{"name": s.name, "sha256": digest(listing.files(s))} for s in series.scans],
     }

@@ -1,7 +1,8 @@
 """Describe a clip: its organs as tracks, and its provenance."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib.metadata import distributions
+from pathlib import Path
 from typing import Any
 
 from baker.alignment import Alignment
@@ -11,10 +12,11 @@ from baker.matching import Organ
 from baker.matching.labels import LabelUse
 from baker.options import Options
 from baker.scans import Series
+from baker.scans.formats import READERS, suffix_of
 from baker.segmentation.hierarchy import Hierarchy
 from gclip import Track, __version__
 
-PACKAGES = ("numpy", "scipy", "numba", "open3d", "open3d-cpu")
+PACKAGES = ("numpy", "scipy", "numba")
 
 
 def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -> tuple[Track, ...]:
@@ -101,7 +103,7 @@ def describe_provenance(
         notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
     findings = (*series.findings, *alignment.findings, *labels.findings)
     return {
-        **software(),
+        **software((scan.path for scan in raw.scans), options.outliers),
         "options": options.provenance(),
         "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in raw.scans],
         "origins": [scan.origin.tolist() for scan in raw.scans],
@@ -111,15 +113,26 @@ def describe_provenance(
     }
 
 
-def software() -> dict[str, dict[str, str]]:
+def software(
+    scans: Iterable[Path] = (), outliers: float | None = None
+) -> dict[str, dict[str, str]]:
     """Versions of the program, and of the packages on which the numbers in a clip depend.
+
+    Parameters
+    ----------
+    scans : iterable of Path
+        If one is a mesh, Open3D is one of the packages.
+    outliers : float, optional
+        The option of that name; if outliers are removed, Open3D is one of the packages.
 
     Returns
     -------
     dict
         "program": its name and version; "packages": their versions by name.
     """
-    found = [each for name in PACKAGES for each in distributions(name=name)]
+    is_mesh = any(READERS.get(suffix_of(path)) == "mesh" for path in scans)
+    open3d = ("open3d", "open3d-cpu") if is_mesh or outliers is not None else ()
+    found = [each for name in (*PACKAGES, *open3d) for each in distributions(name=name)]
     packages = {each.name.removesuffix("-cpu"): each.version for each in found}
     program = {"name": "plant-growth-clips", "version": __version__}
     return {"program": program, "packages": packages}
