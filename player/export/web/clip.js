@@ -42,7 +42,7 @@ class Clip {
         return this.moments.findLast(([time]) => time <= day).slice(1);
     }
 
-    // The buffers of one interval: { points: [start, controls..., end], tracks, colors, normals }.
+    // The columns of one interval: points (start, controls..., end), tracks, colors and normals.
     // Unpacked piece by piece, so that the page answers meanwhile.
     async load(index) {
         const text = document.getElementById(`interval-${index}`).textContent.trim(), parts = [];
@@ -62,37 +62,32 @@ class Clip {
 const nextTurn = () => new Promise((done) => setTimeout(done));
 
 // Undo what encode.py did: each number is the difference to the mover before it, byte by byte, with
-// its sign in the lowest bit, and added to what was foretold.
+// its sign in the lowest bit; and each column of a sequence, the difference to the one before.
 async function unpack(bytes, { count, degree, track_bytes, colored, aligned }) {
     let at = 0;
-    async function column(Numbers, sides, foretold = () => 0) {
-        const width = Numbers.BYTES_PER_ELEMENT, values = new Numbers(sides * count);
-        for (let side = 0; side < sides; ++side) {
-            for (let i = 0, sum = 0; i < count; ++i) {
-                let zigzag = 0;
-                for (let byte = 0; byte < width; ++byte) {
-                    zigzag |= bytes[at + byte * count + i] << (8 * byte);
+    async function sequence(Numbers, sides, length) {
+        const width = Numbers.BYTES_PER_ELEMENT, columns = [];
+        while (columns.length < length) {
+            const values = new Numbers(columns.at(-1) || sides * count);
+            for (let side = 0; side < sides; ++side) {
+                for (let i = 0, sum = 0; i < count; ++i) {
+                    let zigzag = 0;
+                    for (let byte = 0; byte < width; ++byte) {
+                        zigzag |= bytes[at + byte * count + i] << (8 * byte);
+                    }
+                    values[sides * i + side] += sum += (zigzag >>> 1) ^ -(zigzag & 1);
                 }
-                sum += (zigzag >>> 1) ^ -(zigzag & 1);
-                values[sides * i + side] = sum + foretold(sides * i + side, values);
+                at += width * count;
+                await nextTurn();
             }
-            at += width * count;
-            await nextTurn();
+            columns.push(values);
         }
-        return values;
+        return columns;
     }
-    async function sequence(Numbers, length) {
-        const all = [];
-        while (all.length < length) {
-            const before = all.at(-1);
-            all.push(await column(Numbers, 3, (i) => (before ? before[i] : 0)));
-        }
-        return all;
-    }
-    const points = await sequence(Uint16Array, degree + 1);
-    const tracks = await column(track_bytes === 2 ? Uint16Array : Uint32Array, 1);
-    const colors = await sequence(Uint8Array, colored ? 2 : 0);
-    const normals = aligned
-        ? await column(Uint8Array, 4, (i, known) => (i % 4 > 1 ? known[i - 2] : 0)) : null;
-    return { points, tracks, colors, normals };
+    return {
+        points: await sequence(Uint16Array, 3, degree + 1),
+        tracks: await sequence(track_bytes === 2 ? Uint16Array : Uint32Array, 1, 1),
+        colors: await sequence(Uint8Array, 3, colored ? 2 : 0),
+        normals: await sequence(Uint8Array, 4, aligned ? 1 : 0),
+    };
 }

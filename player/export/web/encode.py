@@ -35,8 +35,7 @@ def pack(interval: Interval, spacing: float) -> tuple[bytes, dict[str, Any]]:
         paint, last = interval.start_colors[:, :3], interval.end_colors[:, :3]
         parts += [_planes(paint), _planes(last - paint)]
     if interval.normals is not None:
-        first, last = np.hsplit(interval.normals, 2)
-        parts.append(_planes(np.hstack([first, last - first])))
+        parts.append(_planes(interval.normals))
     layout = {
         "low": low.tolist(),
         "step": step.tolist(),

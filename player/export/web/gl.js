@@ -41,18 +41,18 @@ class Graphics {
         return made;
     }
 
-    // Set the uniforms that a program has; a texture comes as [texture, unit].
+    // Set the uniforms that a program has; each of its textures has a unit of its own.
     use(made, values) {
         const gl = this.gl;
         made.uniforms ||= this.linked(made);
         gl.useProgram(made.program);
-        for (const [name, { type, at }] of made.uniforms) {
+        for (const [name, { type, at, unit }] of made.uniforms) {
             const value = values[name];
             if (value === undefined) throw new Error(`${made.names}: ${name} is not given`);
             if (type === gl.SAMPLER_2D) {
-                gl.activeTexture(gl.TEXTURE0 + value[1]);
-                gl.bindTexture(gl.TEXTURE_2D, value[0]);
-                gl.uniform1i(at, value[1]);
+                gl.activeTexture(gl.TEXTURE0 + unit);
+                gl.bindTexture(gl.TEXTURE_2D, value);
+                gl.uniform1i(at, unit);
             } else if (type === gl.FLOAT_MAT4) gl.uniformMatrix4fv(at, false, value);
             else if (type === gl.FLOAT) gl.uniform1fv(at, [value].flat());
             else if (type === gl.FLOAT_VEC2) gl.uniform2fv(at, value.flat());
@@ -70,7 +70,8 @@ class Graphics {
         }
         for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); ++i) {
             const { name, type } = gl.getActiveUniform(program, i);
-            uniforms.set(name.replace("[0]", ""), { type, at: gl.getUniformLocation(program, name) });
+            const at = gl.getUniformLocation(program, name);
+            uniforms.set(name.replace("[0]", ""), { type, at, unit: i });
         }
         return uniforms;
     }

@@ -1,9 +1,8 @@
 // The page: puts clip, clock, camera and renderer together and lets people touch them.
 
-// What is drawn while things move: share of the picture's width and height, one of so many points
+// While things move, at each level 0.8 times the picture's width and height, and half of the points
 // as long as FEWEST are left.
-const LEVELS = [[1, 1], [0.8, 2], [0.62, 4], [0.5, 8], [0.4, 16]];
-const FEWEST = 60000;
+const LEVELS = 5, FEWEST = 60000;
 const SLOW = 45, FAST = 22;  // milliseconds a picture at which less, or more, is drawn
 const SUPERSAMPLED = 1.5e6;  // pixels up to which each has four samples at rest
 const SNAP = 5;  // pixels about a scan's mark within which the timeline goes to the scan
@@ -72,7 +71,7 @@ function start(about, shaders) {
         const [label, curve] = clip.curves[`${look.chosen} ${look.trait}`] || [];
         const before = free();
         byId("curve").hidden = !curve;
-        if (free() !== before) camera.reframe(before, free());
+        camera.zoom(free() / before, 0, 0.5);
         if (!curve) return;
         const [place, , name] = byId("curve").children;
         place.innerHTML = curve;
@@ -92,12 +91,12 @@ function start(about, shaders) {
 
     // At a level of LEVELS; at rest everything is drawn, with four samples where that is quick.
     function draw(level, rest = true) {
-        const [share, wanted] = LEVELS[level], pixels = Math.min(window.devicePixelRatio || 1, 2);
+        const scale = 0.8 ** level * Math.min(window.devicePixelRatio || 1, 2);
         const [width, height] = [canvas.clientWidth, canvas.clientHeight].map(
-            (length) => Math.max(Math.round(length * pixels * share), 1));
+            (length) => Math.max(Math.round(length * scale), 1));
         if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
         const samples = rest && state.level === 0 && width * height < SUPERSAMPLED ? 2 : 1;
-        const every = Math.min(wanted, renderer.thinned(clock.day, FEWEST));
+        const every = Math.min(2 ** level, renderer.thinned(clock.day, FEWEST));
         renderer.draw(clock.day, camera, look, { every, samples });
         state.dirty = false;
     }
@@ -107,7 +106,7 @@ function start(about, shaders) {
         state.pace += milliseconds > SLOW ? 1 : milliseconds < FAST ? -0.2 : 0;
         if (Math.abs(state.pace - 1) < 1.5) return;
         const steps = state.pace > 0 ? Math.max(Math.round(Math.log2(milliseconds / SLOW)), 1) : -1;
-        state.level = clamped(state.level + steps, 0, LEVELS.length - 1);
+        state.level = clamped(state.level + steps, 0, LEVELS - 1);
         state.pace = 0;
     }
 
@@ -120,8 +119,6 @@ function start(about, shaders) {
         if (!renderer.ready(needed)) return;
         for (const near of [needed + 1, needed - 1]) if (clip.intervals[near]) renderer.ready(near);
         const moving = clock.playing || state.turning || now - state.moved < 200;
-        if (clock.playing) clock.tick(passed / 1000);
-        if (!renderer.ready(clip.locate(clock.day)[0])) return;
         if (state.turning) camera.orbit((0.35 * passed) / 1000, 0);
         if (moving && lively) adapt(passed);
         if (moving || state.dirty || lively) {
@@ -129,6 +126,7 @@ function start(about, shaders) {
             tell();
         }
         lively = moving;
+        if (clock.playing) clock.tick(passed / 1000);
     }
 
     byId("time").addEventListener("input", ({ target: time }) => {

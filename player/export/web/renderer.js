@@ -40,11 +40,8 @@ class Renderer {
             return { location, buffer, sides, kind: gl[KINDS[name]], size: sides * BYTES_PER_ELEMENT };
         };
         kept.array = gl.createVertexArray();
-        kept.columns = [
-            ...points.map((data, i) => column(i, data, 3)), column(4, tracks, 1),
-            ...colors.map((data, i) => column(5 + i, data, 3)),
-            ...(normals ? [column(7, normals, 4)] : []),
-        ];
+        kept.columns = [[points, 0, 3], [tracks, 4, 1], [colors, 5, 3], [normals, 7, 4]].flatMap(
+            ([sequence, first, sides]) => sequence.map((data, i) => column(first + i, data, sides)));
         let used = [...this.intervals.values()].reduce((sum, { bytes }) => sum + bytes, 0);
         for (const [index, { array, columns, bytes }] of this.intervals) {
             if (used <= BUDGET || this.intervals.size <= 3) break;

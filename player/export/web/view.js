@@ -19,13 +19,6 @@ class Camera {
         this.pan(0, (1 - free) / 2 - 0.02);
     }
 
-    // The same view in a picture of whose height another share is free, from the top.
-    reframe(before, after) {
-        this.pan(0, -(1 - before) / 2);
-        this.zoom(after / before);
-        this.pan(0, (1 - after) / 2);
-    }
-
     // From the eye's coordinates, right, above and backwards, to local ones.
     pose() {
         const [first, second, upward] = this.axes, turn = 180 / Math.PI;
