@@ -68,41 +68,20 @@ class GBuffer:
         sums.framebuffer.depth_mask = False
         return sums
 
-    def fill(
-        self,
-        passes: Passes,
-        name: str,
-        framebuffer: moderngl.Framebuffer | None = None,
-        **uniforms: Any,
-    ) -> None:
-        """Run a fragment shader that writes depths on every sample.
-
-        framebuffer: one of the G-buffer's; by default that of colours, depths and normals.
-        """
-        framebuffer = framebuffer or self.framebuffer
-        framebuffer.viewport = (0, 0, *self.size)
-        framebuffer.use()
+    def fill(self, passes: Passes, name: str, **uniforms: Any) -> None:
+        """Run a fragment shader that writes colours, depths, normals and where the plant is."""
+        self.framebuffer.viewport = (0, 0, *self.size)
+        self.framebuffer.use()
         self._context.enable_only(moderngl.DEPTH_TEST)
         self._context.depth_func = "1"
         passes.fill(name, **uniforms)
 
-    def clear_surface(self) -> None:
-        """Remove colours, depths and normals, but not which samples are the plant's."""
-        self.framebuffer.depth_mask = False
-        self.framebuffer.clear(NOTHING, NOTHING, NOTHING, 0.0)
-        self.framebuffer.depth_mask = True
-
-    def limit(self, region: tuple[int, int, int, int]) -> None:
-        """Draw in a part of the picture only, given by left, bottom, width and height."""
-        for framebuffer in (self.framebuffer, self.mask, *self.filtered, self.lit):
-            framebuffer.scissor = region
-
     def clear(self) -> None:
-        """Reset the part that was drawn last, at first all, to a picture without a plant."""
+        """Begin a picture without a plant; colours and normals count only where a plant is."""
         self.lit.clear()
-        self.framebuffer.clear(NOTHING, NOTHING, NOTHING, 0.0)
-        self.filtered[1].clear(NOTHING)
         self.mask.clear(depth=0.0)
+        for framebuffer in self.filtered:
+            framebuffer.clear(NOTHING)
 
 
 class Target(NamedTuple):

@@ -66,7 +66,6 @@ class PointRaster:
         self._points.context.enable_only(moderngl.NOTHING)
         self._passes.fill("point_tiles", reach=reach, **uniforms)
         gbuffer.tiles.bind(2)
-        gbuffer.clear_surface()
         across, up = gbuffer.tiles.framebuffer.size
         gbuffer.fill(self._passes, "fill_holes", reach=reach, tiles=across * up, **uniforms)
 

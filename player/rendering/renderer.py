@@ -67,7 +67,7 @@ class Renderer:
         self._gbuffer: GBuffer | None = None
         self.gpu_seconds = 0.0
         self._max_point_px = float(context.info["GL_POINT_SIZE_RANGE"][1])
-        self._scene_radius, self._bounds = scene_radius(clip), clip.bounds
+        self._scene_radius = scene_radius(clip)
 
     def draw(
         self,
@@ -101,7 +101,6 @@ class Renderer:
         if style.show_ground and not transparent:
             self._ground.cast_shadow(ranges, self._point_area(day, closing))
         gbuffer.clear()
-        gbuffer.limit(splats.region)
         are_points = splats.typical_radius_px <= MAX_RADIUS_PX
         (self._raster if are_points else self._splats).draw(gbuffer, ranges, splats)
         smooth_depths(self._passes, gbuffer, splats)
@@ -179,7 +178,6 @@ class Renderer:
             radius=natural * style.point_size * closing * math.sqrt(stride),
             point_px_range=(MIN_POINT_PX * self.supersample, self._max_point_px),
             scene_radius=self._scene_radius,
-            bounds=self._bounds,
             by_track=style.color_by in ("track", "age"),
             shape=shape,
             by_scalar=self._colors.scalar_field(style) is not ScalarField.NONE,

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import asdict, dataclass
-from itertools import product
 from typing import Any
 
 import moderngl
@@ -12,7 +11,7 @@ from player.gl.framebuffer import NOTHING, GBuffer
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
-from player.view.camera import Camera, Vector
+from player.view.camera import Camera
 
 MAX_MARGIN = 512  # largest distance in samples from a splat's centre to the picture
 
@@ -47,7 +46,6 @@ class SplatParams:
     radius:         radius of a splat in the clip's unit.
     point_px_range: smallest and largest diameter of a splat in samples.
     scene_radius:   half the diagonal of the scene in the clip's unit.
-    bounds:         lower and upper corner of the scene, (3,) each.
     by_track:       whether to use the organs' colours even if the scans have colours.
     by_scalar:      whether to use the colours of a scalar field.
     """
@@ -57,7 +55,6 @@ class SplatParams:
     radius: float
     point_px_range: tuple[float, float]
     scene_radius: float
-    bounds: tuple[Vector, Vector]
     by_track: bool
     by_scalar: bool = False
     shape: SplatShape = FACING
@@ -80,20 +77,6 @@ class SplatParams:
         """Radius of a splat in samples, at the depth of the camera's target."""
         radius_px = self.radius * self.px_per_unit(self.camera.eye_distance)
         return max(radius_px, self.point_px_range[0] / 2)
-
-    @property
-    def region(self) -> tuple[int, int, int, int]:
-        """Left, bottom, width and height in samples of a rectangle around all splats."""
-        corners = np.array([(*corner, 1.0) for corner in product(*np.transpose(self.bounds))])
-        *place, _, depth = self.camera.matrix(self.samples[0] / self.samples[1]) @ corners.T
-        if not self.camera.orthographic and depth.min() < self.camera.near:
-            return 0, 0, *self.samples  # the scene reaches behind the camera
-        radius_px = max(self.radius * self.px_per_unit(depth.min()), self.point_px_range[0])
-        middle = (np.array(place) / depth + 1.0) / 2.0 * np.array(self.samples)[:, None]
-        low = np.clip(np.floor(middle.min(axis=1) - radius_px), 0, self.samples).astype(int)
-        high = np.clip(np.ceil(middle.max(axis=1) + radius_px), low, self.samples).astype(int)
-        (left, bottom), (width, height) = low.tolist(), (high - low).tolist()
-        return left, bottom, width, height
 
     def uniforms(self) -> dict[str, Any]:
         """The uniforms of the passes over points and of those over the picture."""
@@ -158,11 +141,10 @@ class Splats:
     def draw_behind(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Replace the G-buffer by the surface that shows behind the edges of the nearest one."""
         viewport, uniforms = self._with_margin(splats)
-        gbuffer.splat_front.bind()
-        gbuffer.colors.use(1)
-        gbuffer.fill(self._passes, "splat_covered", gbuffer.mask, **uniforms)
         target, context = gbuffer.framebuffer, self._points.context
-        gbuffer.clear_surface()
+        gbuffer.splat_front.bind()
+        gbuffer.light.use(1)
+        gbuffer.fill(self._passes, "splat_covered", **uniforms)
         target.viewport = viewport
         target.use()
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
@@ -178,6 +160,6 @@ class Splats:
         margin = max(min(reach, MAX_MARGIN, (self._max_viewport - max(width, height)) // 2), 0)
         wide, tall = width + 2 * margin, height + 2 * margin
         shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
-        units = {"front": 0, "colors": 1, "color_sums": 1, "moment_sums": 2, "normal_sums": 3}
+        units = {"front": 0, "light": 1, "color_sums": 1, "moment_sums": 2, "normal_sums": 3}
         uniforms = splats.uniforms() | units | {"projection": shrunk @ splats.projection}
         return (-margin, -margin, wide, tall), uniforms
