@@ -7,7 +7,6 @@ on the GPU always show the whole plant, if with fewer points.
 
 import mmap
 import time
-from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import islice
@@ -15,7 +14,7 @@ from itertools import islice
 import moderngl
 import numpy as np
 
-from gclip import Clip, Group, Interval
+from gclip import Clip, Interval
 from gclip.evaluate import Layer
 from gclip.file import check_not_truncated
 from player.gl.gl_errors import OutOfGpuMemory
@@ -70,7 +69,6 @@ class ChunkStore:
     """The chunks on the GPU.
 
     room:   bytes for all chunks together; a single chunk is kept whatever its size.
-    size:   bytes that the chunks occupy.
     loaded: bytes uploaded so far.
     """
 
@@ -79,12 +77,13 @@ class ChunkStore:
         self._clip = clip
         self._room = room
         self._kept: dict[Chunk, ChunkBuffers] = {}  # least recently used first
-        self._bytes: Counter[int] = Counter()  # by interval
         self._prefetch = Prefetch()
-        self._wanted: list[tuple[int, Group, int]] = []
-        self._plan: list[tuple[Chunk, int]] = []  # what remains to be uploaded, the last one first
-        self.size = 0
         self.loaded = 0
+
+    @property
+    def size(self) -> int:
+        """Bytes that the chunks occupy."""
+        return sum(buffers.size for buffers in self._kept.values())
 
     def chunks(self, drawn: DrawRange) -> Iterator[tuple[Chunk, int]]:
         """The chunks of a range, and how many points of each are drawn."""
@@ -117,73 +116,66 @@ class ChunkStore:
         its first slice.
         """
         ends = time.perf_counter() + seconds
-        groups = [(drawn.layer.interval, drawn.layer.group, drawn.count) for drawn in wanted]
-        shown = max((index for index, *_ in groups), default=0)
-        if groups != self._wanted:
-            following = [
-                DrawRange(Layer(shown + 1, group, 0, 0, 1), group.count)
-                for interval in self._clip.intervals[shown + 1 : shown + 2]
-                for group in interval.groups
-            ]
-            self._plan = [*self._slices(wanted), *self._slices(following)][::-1]
-            for drawn in wanted:
-                for chunk, count in islice(self.chunks(drawn), 1):
-                    self.fetch(chunk, min(count, SLICE))
-            self._wanted = groups
-        while self._plan and time.perf_counter() < ends:
-            chunk, count = self._plan[-1]
-            ahead = chunk.interval > shown
-            if ahead and not self._prefetch.has_read(
-                chunk.interval, self._clip.intervals[chunk.interval]
+        for drawn in wanted:
+            for chunk, count in islice(self.chunks(drawn), 1):
+                self.fetch(chunk, min(count, SLICE))
+        following = max((drawn.layer.interval for drawn in wanted), default=0) + 1
+        ahead = [
+            DrawRange(Layer(following, group, 0, 0, 1), group.count)
+            for interval in self._clip.intervals[following : following + 1]
+            for group in interval.groups
+        ]
+        while time.perf_counter() < ends:
+            if not self._upload_slice(wanted) and not (
+                ahead
+                and self._prefetch.has_read(following, self._clip.intervals[following])
+                and self._upload_slice(ahead, keeping_all=True)
             ):
                 break
-            self._plan.pop()
-            if chunk in self._kept or self._fits(chunk, ahead):
-                self.loaded += self._made(chunk).upload(count)
         return [self.resident(drawn) for drawn in wanted]
 
-    def _slices(self, ranges: list[DrawRange]) -> list[tuple[Chunk, int]]:
-        """Chunks and the number of points to fill each to, in an order of which every prefix holds
-        about the same share of every range.
+    def _upload_slice(self, ranges: list[DrawRange], keeping_all: bool = False) -> bool:
+        """Upload a slice of that range of which the least is there; False if all is there, or no
+        more of it fits.
         """
-        placed = [
-            ((chunk.first - drawn.layer.group.first + upto) / drawn.count, chunk, min(upto, count))
-            for drawn in ranges
-            for chunk, count in self.chunks(drawn)
-            for upto in range(SLICE, count + SLICE, SLICE)
-        ]
-        return [(chunk, upto) for _, chunk, upto in sorted(placed, key=lambda p: p[0])]
+        filled = [drawn for drawn in ranges if drawn.count]
+        least = min(filled, key=lambda drawn: self.resident(drawn) / drawn.count, default=None)
+        for chunk, count in self.chunks(least) if least else ():
+            kept = self._kept.get(chunk)
+            if kept is None and not self._fits(chunk, keeping_all):
+                return False
+            if kept is None or kept.resident < count:
+                self.loaded += self._made(chunk).upload(count)
+                return True
+        return False
 
-    def _fits(self, chunk: Chunk, ahead: bool) -> bool:
-        """Whether a chunk fits: ahead of time without evicting any, else beside its interval's."""
-        needed = bytes_per_point(self._clip.intervals[chunk.interval]) * chunk.count
-        return needed + (self.size if ahead else self._bytes[chunk.interval]) <= self._room
+    def _fits(self, chunk: Chunk, keeping_all: bool) -> bool:
+        """Whether there is room for a chunk beside those of its interval, or beside all."""
+        beside = sum(
+            buffers.size
+            for other, buffers in self._kept.items()
+            if keeping_all or other.interval == chunk.interval
+        )
+        return self._bytes(chunk) + beside <= self._room
+
+    def _bytes(self, chunk: Chunk) -> int:
+        return bytes_per_point(self._clip.intervals[chunk.interval]) * chunk.count
 
     def _made(self, chunk: Chunk) -> ChunkBuffers:
-        """A chunk's buffers, marked as the most recently used."""
+        """A chunk's buffers, marked as the most recently used; evicts others if there is no room."""
         buffers = self._kept.pop(chunk, None)
-        if buffers is None:
-            needed = bytes_per_point(self._clip.intervals[chunk.interval]) * chunk.count
-            while self._kept and self.size + needed > self._room:
-                self._drop(self._least_wanted(chunk.interval))
-            buffers = self._allocated(chunk)
-            self.size += buffers.size
-            self._bytes[chunk.interval] += buffers.size
-        self._kept[chunk] = buffers
-        return buffers
-
-    def _allocated(self, chunk: Chunk) -> ChunkBuffers:
-        """Allocate buffers; where the GPU has less memory than reported, evict chunks first."""
-        while True:
+        while buffers is None:
+            while self._kept and self.size + self._bytes(chunk) > self._room:
+                del self._kept[self._least_wanted(chunk.interval)]
             self._context.gc()
             try:
-                return ChunkBuffers(self._context, self._clip.intervals[chunk.interval], chunk)
-            except OutOfGpuMemory:
+                buffers = ChunkBuffers(self._context, self._clip.intervals[chunk.interval], chunk)
+            except OutOfGpuMemory:  # the GPU has less memory than reported
                 if not self._kept:
                     raise
-                self._room = self.size // 2
-                while self._kept and self.size > self._room:
-                    self._drop(self._least_wanted(chunk.interval))
+                self._room = self.size // 2 + self._bytes(chunk)
+        self._kept[chunk] = buffers
+        return buffers
 
     def _least_wanted(self, shown: int) -> Chunk:
         """The least recently used chunk of other intervals, else the most recently used one of the
@@ -191,12 +183,6 @@ class ChunkStore:
         """
         other = next((chunk for chunk in self._kept if chunk.interval != shown), None)
         return other or next(reversed(self._kept))
-
-    def _drop(self, chunk: Chunk) -> None:
-        buffers = self._kept.pop(chunk)
-        self.size -= buffers.size
-        self._bytes[chunk.interval] -= buffers.size
-        self._wanted = []  # the plan may need it again
 
     def stop(self) -> None:
         """Stop reading ahead."""

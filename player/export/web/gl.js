@@ -64,14 +64,15 @@ class Graphics {
 
     linked({ program, shaders, names }) {
         const gl = this.gl, uniforms = new Map();
+        let units = 0;
         if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) {
             const logs = shaders.map((shader, i) => `${names[i]}: ${gl.getShaderInfoLog(shader)}`);
             throw new Error([...logs, gl.getProgramInfoLog(program)].join("\n"));
         }
         for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); ++i) {
             const { name, type } = gl.getActiveUniform(program, i);
-            const at = gl.getUniformLocation(program, name);
-            uniforms.set(name.replace("[0]", ""), { type, at, unit: i });
+            const unit = type === gl.SAMPLER_2D ? units++ : null, at = gl.getUniformLocation(program, name);
+            uniforms.set(name.replace("[0]", ""), { type, at, unit });
         }
         return uniforms;
     }

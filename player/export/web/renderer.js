@@ -88,12 +88,12 @@ class Renderer {
             point_px_range: [samples * clip.splat.smallest, this.largest],
             target_depth: camera.distance,
             half_extent: [(slope * width) / height, slope],
-            by_track: look.byTrack, palette: [this.palette(look.chosen, day), 0],
+            by_track: look.byTrack, palette: this.palette(look.chosen, day),
             to_floor: new DOMMatrix(clip.shadow.toSquare).multiply(pose).toFloat32Array(),
             up_dir: [x, y, z],
         };
         const targets = this.targetsOf(samples * width, samples * height);
-        const { nearest, sums, surface, filtered, lit, mask } = targets;
+        const { nearest, sums, surface, filtered, lit } = targets;
         const pass = (target, name, more, defined) =>
             graphics.fill(target, name, { ...values, ...more }, defined);
         const clear = (target, ...color) => {
@@ -110,40 +110,30 @@ class Renderer {
         clear(sums, 0, 0, 0, 0);
         gl.enable(gl.BLEND);
         gl.blendFunc(gl.ONE, gl.ONE);
-        this.drawPoints("sum", layers, { ...values, span: values.rim, lift: 1, front: [front, 1] }, every);
+        this.drawPoints("sum", layers, { ...values, span: values.rim, lift: 1, front }, every);
         gl.disable(gl.DEPTH_TEST);
         this.castShadow(day, layers, values.palette);
-        pass(surface, "splat_resolve", {
-            front: [front, 0], color_sums: [sums.textures[0], 1],
-            moment_sums: [sums.textures[1], 2], normal_sums: [sums.textures[2], 3],
-        });
-        let latest = depths;
-        for (const [i, direction] of [[1, 0], [0, 1]].entries()) {
-            pass(filtered[i], "bilateral", { depths: [latest, 0], direction });
-            [latest] = filtered[i].textures;
-        }
-        const shade = () =>
-            pass(lit, "shade", { colors: [colors, 0], depths: [latest, 1], normals: [normals, 2] });
-        shade();
+        const [color_sums, moment_sums, normal_sums] = sums.textures, [light] = lit.textures;
+        pass(surface, "splat_resolve", { front, color_sums, moment_sums, normal_sums });
+        pass(filtered[0], "bilateral", { depths, direction: [1, 0] });
+        pass(filtered[1], "bilateral", { depths: filtered[0].textures[0], direction: [0, 1] });
+        pass(lit, "shade", { colors, depths: filtered[1].textures[0], normals });
         if (values.edge <= 1) {
             gl.enable(gl.DEPTH_TEST);
             gl.depthMask(true);
             gl.depthFunc(gl.ALWAYS);
-            pass(mask, "splat_covered", { front: [front, 0], colors: [colors, 1] });
+            pass(surface, "splat_covered", { front, light });
             gl.depthFunc(gl.LESS);
-            clear(surface, NOTHING, NOTHING, NOTHING, 0);
-            this.drawPoints("behind", layers, { ...values, front: [front, 1] }, every);
-            latest = depths;
+            this.drawPoints("behind", layers, { ...values, front }, every);
             gl.enable(gl.BLEND);
             gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);
             gl.depthMask(false);
-            shade();
+            pass(lit, "shade", { colors, depths, normals });
             gl.disable(gl.BLEND);
             gl.disable(gl.DEPTH_TEST);
         }
-        pass({ framebuffer: null, width, height }, "picture", {
-            light: [lit.textures[0], 0], shadow: [this.shadows[0].textures[0], 1],
-        }, { SUPERSAMPLE: samples });
+        const [shadow] = this.shadows[0].textures, screen = { framebuffer: null, width, height };
+        pass(screen, "picture", { light, shadow }, { SUPERSAMPLE: samples });
     }
 
     castShadow(day, layers, palette) {
@@ -157,12 +147,10 @@ class Renderer {
             from_above: toSquare, reach, palette, cover: (every * area) / count / texel ** 2,
         }, every);
         gl.disable(gl.BLEND);
-        for (const [source, target, direction] of [
-            [first, second, [1 / side, 0]], [second, first, [0, 1 / side]],
-        ]) {
-            const saturate = source === first;
-            graphics.fill(target, "blur", { source: [source.textures[0], 0], direction, saturate });
-        }
+        const blur = (target, source, direction, saturate) =>
+            graphics.fill(target, "blur", { source: source.textures[0], direction, saturate });
+        blur(second, first, [1 / side, 0], true);
+        blur(first, second, [0, 1 / side], false);
     }
 
     drawPoints(pass, layers, values, every) {
@@ -224,7 +212,7 @@ class Renderer {
             this.targets = {
                 nearest: target(far), sums: target(gl.RGBA16F, gl.RGBA16F, gl.RG16F),
                 surface: target(gl.RGBA16F, far, gl.RG16F), filtered: [target(far), target(far)],
-                lit: target(gl.RGBA16F), mask: target(),
+                lit: target(gl.RGBA16F),
             };
         }
         return this.targets;
