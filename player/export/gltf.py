@@ -39,33 +39,12 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     Positions are local to the clip; the root node turns the plant's up axis to glTF's (y) and
     scales to metres where the unit is known.
     """
-    import pygltflib as gltf
-
-    document = gltf.GLTF2(
-        asset=gltf.Asset(version="2.0", generator="plant-growth-clips"),
-        extensionsUsed=["KHR_materials_unlit"],
-        materials=[gltf.Material(name="plant", extensions={"KHR_materials_unlit": {}})],
-        scenes=[gltf.Scene(nodes=[0])],
-        scene=0,
-        nodes=[
-            gltf.Node(
-                name=film.title or film.name,
-                matrix=_placed(clip).T.ravel().tolist(),
-                children=[],
-                extras={"origin": list(clip.origin), "up": clip.up, "unit": clip.unit},
-            )
-        ],
-        animations=[gltf.Animation(name="growth", samplers=[], channels=[])],
-        buffers=[gltf.Buffer(byteLength=0)],
-    )
-    blob, parts = bytearray(), list(_parts(clip))
+    growth, parts = _Growth(clip, film), list(_parts(clip))
     progress(0, len(parts))
     for done, (layer, until) in enumerate(parts, start=1):
-        _add(document, blob, clip, layer, until, film.length(clip))
+        growth.add(layer, until)
         progress(done, len(parts))
-    document.buffers[0].byteLength = len(blob)
-    document.set_binary_blob(bytes(blob))
-    document.save_binary(str(path))
+    growth.save(path)
 
 
 def _parts(clip: Clip) -> Iterator[tuple[Layer, float]]:
@@ -88,54 +67,108 @@ def _parts(clip: Clip) -> Iterator[tuple[Layer, float]]:
                 yield layer, np.inf if last and group.motion is Motion.MOVE else 1.0
 
 
-def _add(
-    document: Any, blob: bytearray, clip: Clip, layer: Layer, until: float, seconds: float
-) -> None:
-    """One node with its mesh and its two animation channels."""
-    import pygltflib as gltf
+class _Growth:
+    """A document with one mesh, one node and two animation channels for each part of the plant."""
 
-    interval, group = clip.intervals[layer.interval], layer.group
-    start, colors, tracks = evaluate_layer(clip, layer)
-    paint = colors / 255.0
-    paint[:, :3] = srgb_to_linear(paint[:, :3])
-    attributes = gltf.Attributes(
-        POSITION=_array(document, blob, start, bounds=True),
-        COLOR_0=_array(document, blob, np.round(65535 * paint).astype(np.uint16), normalized=True),
-    )
-    attributes._LABEL = _array(document, blob, tracks.astype(np.float32))
-    step = 1.0 if interval.box is None else interval.box.step
-    origin, *others = (p[group.first : group.stop].astype(float) for p in interval.curve)
-    moved = [(step * (other - origin)).astype(np.float32) for other in others]
-    primitive = gltf.Primitive(
-        attributes=attributes,
-        targets=[gltf.Attributes(POSITION=_array(document, blob, p, bounds=True)) for p in moved],
-        material=0,
-        mode=gltf.POINTS,
-    )
-    end = bernstein(interval.degree, 1.0)[1:].tolist()
-    dates = [date_at(clip.scans, time) for time in (interval.start, interval.end)]
-    document.nodes[0].children.append(len(document.nodes))
-    stays = until > 1.0  # without animation a viewer shows the last scan
-    node = gltf.Node(mesh=len(document.meshes), scale=[float(stays)] * 3)
-    node.name = f"{dates[0]} to {dates[1]}"
-    document.meshes.append(gltf.Mesh(primitives=[primitive], weights=end))
-    document.nodes.append(node)
+    def __init__(self, clip: Clip, film: Film) -> None:
+        import pygltflib
 
-    falls = group.motion is Motion.FALL
-    shares = np.linspace(0.0, 1.0, CURVED_KEYS if falls or interval.degree > 1 else 2)
-    eased = shares**2 if falls else shares
-    rate = seconds / (clip.times[-1] - clip.times[0])
-    begin = (interval.start - clip.times[0]) * rate
-    length = (interval.end - interval.start) * rate
-    weights = [bernstein(interval.degree, share)[1:] for share in eased.tolist()]
-    _animate(
-        document, blob, "weights", gltf.ANIM_LINEAR, begin + length * shares, np.ravel(weights)
-    )
-    changes = [(begin, 1.0)] if begin == 0.0 else [(0.0, 0.0), (begin, 1.0)]
-    if not stays:
-        changes.append((begin + length * until, 0.0))
-    times, scales = np.array(changes).T
-    _animate(document, blob, "scale", gltf.ANIM_STEP, times, np.repeat(scales[:, None], 3, axis=1))
+        self._gltf = pygltflib
+        self._clip = clip
+        self._rate = film.length(clip) / (clip.times[-1] - clip.times[0])
+        self._blob = bytearray()
+        self._root = pygltflib.Node(
+            name=film.title or film.name,
+            matrix=_placed(clip).T.ravel().tolist(),
+            children=[],
+            extras={"origin": list(clip.origin), "up": clip.up, "unit": clip.unit},
+        )
+        self._animation = pygltflib.Animation(name="growth", samplers=[], channels=[])
+        self._document = pygltflib.GLTF2(
+            asset=pygltflib.Asset(version="2.0", generator="plant-growth-clips"),
+            extensionsUsed=["KHR_materials_unlit"],
+            materials=[pygltflib.Material(name="plant", extensions={"KHR_materials_unlit": {}})],
+            scenes=[pygltflib.Scene(nodes=[0])],
+            scene=0,
+            nodes=[self._root],
+            animations=[self._animation],
+        )
+
+    def save(self, path: Path) -> None:
+        self._document.buffers = [self._gltf.Buffer(byteLength=len(self._blob))]
+        self._document.set_binary_blob(bytes(self._blob))
+        self._document.save_binary(str(path))
+
+    def add(self, layer: Layer, until: float) -> None:
+        """Add a part that is there up to a share of its interval."""
+        gltf, document, clip = self._gltf, self._document, self._clip
+        interval, group = clip.intervals[layer.interval], layer.group
+        start, colors, tracks = evaluate_layer(clip, layer)
+        paint = colors / 255.0
+        paint[:, :3] = srgb_to_linear(paint[:, :3])
+        attributes = gltf.Attributes(
+            POSITION=self._array(start, VERTICES),
+            COLOR_0=self._array(np.round(65535 * paint).astype(np.uint16), VERTICES),
+        )
+        attributes._LABEL = self._array(tracks.astype(np.float32), VERTICES)
+        step = 1.0 if interval.box is None else interval.box.step
+        origin, *others = (p[group.first : group.stop].astype(float) for p in interval.curve)
+        moved = [self._array(step * (other - origin), VERTICES) for other in others]
+        targets = [gltf.Attributes(POSITION=array) for array in moved]
+        shape = {"attributes": attributes, "targets": targets, "material": 0, "mode": gltf.POINTS}
+        # Without animation a viewer shows the last scan.
+        end, stays = bernstein(interval.degree, 1.0)[1:].tolist(), until > 1.0
+        dates = [date_at(clip.scans, time) for time in (interval.start, interval.end)]
+        node = gltf.Node(mesh=len(document.meshes), scale=[float(stays)] * 3)
+        node.name = f"{dates[0]} to {dates[1]}"
+        self._root.children.append(len(document.nodes))
+        document.meshes.append(gltf.Mesh(primitives=[gltf.Primitive(**shape)], weights=end))
+        document.nodes.append(node)
+
+        falls = group.motion is Motion.FALL
+        shares = np.linspace(0.0, 1.0, CURVED_KEYS if falls or interval.degree > 1 else 2)
+        eased = shares**2 if falls else shares
+        weights = [bernstein(interval.degree, share)[1:] for share in eased.tolist()]
+        begin = (interval.start - clip.times[0]) * self._rate
+        length = (interval.end - interval.start) * self._rate
+        self._animate("weights", gltf.ANIM_LINEAR, begin + length * shares, np.ravel(weights))
+        changes = [(begin, 1.0)] if begin == 0.0 else [(0.0, 0.0), (begin, 1.0)]
+        if not stays:
+            changes.append((begin + length * until, 0.0))
+        times, scales = np.array(changes).T
+        self._animate("scale", gltf.ANIM_STEP, times, np.repeat(scales[:, None], 3, axis=1))
+
+    def _animate(
+        self, path: str, interpolation: str, seconds: NDArray[Any], values: NDArray[Any]
+    ) -> None:
+        """Animate a property of the newest node."""
+        gltf, animation = self._gltf, self._animation
+        target = gltf.AnimationChannelTarget(node=len(self._document.nodes) - 1, path=path)
+        channel = gltf.AnimationChannel(sampler=len(animation.samplers), target=target)
+        keys = {"input": self._array(seconds), "output": self._array(values)}
+        animation.samplers.append(gltf.AnimationSampler(**keys, interpolation=interpolation))
+        animation.channels.append(channel)
+
+    def _array(self, values: NDArray[Any], target: int | None = None) -> int:
+        """Append colours (uint16) or other numbers to the buffer; returns their index."""
+        is_color = values.dtype == np.uint16
+        values = np.ascontiguousarray(values if is_color else values.astype(np.float32))
+        rows = values.reshape(len(values), -1)
+        view = {"buffer": 0, "byteOffset": len(self._blob), "byteLength": values.nbytes}
+        self._document.accessors.append(
+            self._gltf.Accessor(
+                bufferView=len(self._document.bufferViews),
+                componentType=SHORT if is_color else FLOAT,
+                normalized=is_color,
+                type="SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}",
+                count=len(values),
+                min=rows.min(axis=0).tolist(),
+                max=rows.max(axis=0).tolist(),
+            )
+        )
+        self._document.bufferViews.append(self._gltf.BufferView(**view, target=target))
+        self._blob += values.tobytes() + bytes(-values.nbytes % 4)
+        return len(self._document.accessors) - 1
 
 
 def _placed(clip: Clip) -> NDArray[np.float64]:
@@ -144,53 +177,3 @@ def _placed(clip: Clip) -> NDArray[np.float64]:
     matrix = np.eye(4)
     matrix[:3, :3] = METERS.get(clip.unit, 1.0) * np.array([first, up, -second])
     return matrix
-
-
-def _array(
-    document: Any,
-    blob: bytearray,
-    values: NDArray[Any],
-    vertices: bool = True,
-    bounds: bool = False,
-    normalized: bool = False,
-) -> int:
-    """Append an array of float32 or uint16 to the buffer; returns the index of its accessor."""
-    import pygltflib as gltf
-
-    view = gltf.BufferView(buffer=0, byteOffset=len(blob), byteLength=values.nbytes)
-    view.target = VERTICES if vertices else None
-    accessor = gltf.Accessor(bufferView=len(document.bufferViews), count=len(values))
-    accessor.componentType = FLOAT if values.dtype == np.float32 else SHORT
-    accessor.type = "SCALAR" if values.ndim == 1 else f"VEC{values.shape[1]}"
-    accessor.normalized = normalized
-    if bounds:
-        rows = values.reshape(len(values), -1)
-        accessor.min, accessor.max = rows.min(axis=0).tolist(), rows.max(axis=0).tolist()
-    document.bufferViews.append(view)
-    document.accessors.append(accessor)
-    blob += np.ascontiguousarray(values).tobytes()
-    blob += bytes(-len(blob) % 4)
-    return len(document.accessors) - 1
-
-
-def _animate(
-    document: Any,
-    blob: bytearray,
-    path: str,
-    interpolation: str,
-    seconds: NDArray[np.float64],
-    values: NDArray[np.float64],
-) -> None:
-    """Animate a property of the newest node."""
-    import pygltflib as gltf
-
-    animation = document.animations[0]
-    target = gltf.AnimationChannelTarget(node=len(document.nodes) - 1, path=path)
-    channel = gltf.AnimationChannel(sampler=len(animation.samplers), target=target)
-    sampler = gltf.AnimationSampler(
-        input=_array(document, blob, seconds.astype(np.float32), vertices=False, bounds=True),
-        output=_array(document, blob, values.astype(np.float32), vertices=False),
-        interpolation=interpolation,
-    )
-    animation.samplers.append(sampler)
-    animation.channels.append(channel)

@@ -162,7 +162,7 @@ class ChunkStore:
         return bytes_per_point(self._clip.intervals[chunk.interval]) * chunk.count
 
     def _made(self, chunk: Chunk) -> ChunkBuffers:
-        """A chunk's buffers, marked as the most recently used; evicts others if there is no room."""
+        """A chunk's buffers, marked as the most recently used; evicts others to make room."""
         buffers = self._kept.pop(chunk, None)
         while buffers is None:
             while self._kept and self.size + self._bytes(chunk) > self._room:

@@ -319,7 +319,7 @@ def test_less_is_drawn_while_things_move_on_a_slow_machine(
     tab = opened_sharp(make_clip(colors=((200, 40, 30, 255), (200, 40, 30, 255))))
     whole = screenshot(tab)
     tab.evaluate("viewer.state.level = 4; viewer.act('turn')")
-    until(tab, "viewer.renderer.canvas.width === Math.round(0.4 * 480)")
+    until(tab, "viewer.renderer.canvas.width === Math.round(0.8 ** 4 * 480)")
     tab.evaluate("viewer.act('turn'); viewer.seek(5)")
     assert tab.evaluate("viewer.renderer.canvas.width") == 480, "sharp again"
     tab.evaluate("viewer.camera.yaw = viewer.camera.home.yaw; viewer.act('fit')")
