@@ -23,9 +23,8 @@ def headless() -> moderngl.Context:
     """
     reason = ""
     for device, version in product(range(MAX_DEVICES), VERSIONS):
-        settings: dict[str, Any] = {"backend": "egl", "device_index": device, "require": version}
         try:
-            return _created(standalone=True, **settings)
+            return _created(standalone=True, backend="egl", device_index=device, require=version)
         except Exception as error:
             reason = reason or _reason(error)
     raise PlayerError(

@@ -3,6 +3,7 @@
 OpenGL continues after an error without drawing, so errors have to be queried.
 """
 
+import math
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -56,11 +57,8 @@ def samples_within(context: moderngl.Context, size: tuple[int, int], wished: int
 
     Raises PlayerError for a picture that is too large even with one sample a pixel.
     """
-    info = context.info
-    longest = min(
-        *(info[f"GL_MAX_{what}_SIZE"] for what in ("TEXTURE", "RENDERBUFFER")),
-        *info["GL_MAX_VIEWPORT_DIMS"],
-    )
+    names = ("GL_MAX_TEXTURE_SIZE", "GL_MAX_RENDERBUFFER_SIZE")
+    longest = min(*(context.info[name] for name in names), *context.info["GL_MAX_VIEWPORT_DIMS"])
     if max(size) > longest:
         raise PlayerError(
             f"a picture of {size[0]}x{size[1]} is asked for; this graphics driver draws at most "
@@ -72,5 +70,5 @@ def samples_within(context: moderngl.Context, size: tuple[int, int], wished: int
             f"a picture of {size[0]}x{size[1]} takes {needed / 1e9:.1f} GB of the GPU's memory; "
             f"there are {there / 1e9:.1f} GB."
         )
-    fitting = (n for n in range(wished, 0, -1) if n * max(size) <= longest)
-    return next((n for n in fitting if n * n * needed <= there), 1)
+    most = min(longest // max(size), math.isqrt(int(there / needed)))
+    return max(min(wished, most), 1)

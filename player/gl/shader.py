@@ -1,10 +1,12 @@
 """Compile shaders, set their uniforms, and run passes over the whole picture."""
 
+import itertools
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
-from typing import Any
+from typing import Any, cast
 
 import moderngl
+import numpy as np
 
 from gclip.terminal.interrupts import uninterrupted
 from player.errors import PlayerError
@@ -16,12 +18,9 @@ def program(
     context: moderngl.Context, vertex: str, fragment: str, **definitions: int | float
 ) -> moderngl.Program:
     """Compile `<vertex>.vert` and `<fragment>.frag`. Raises PlayerError as `compute` does."""
+    sources = source(f"{vertex}.vert", **definitions), source(f"{fragment}.frag", **definitions)
     with _compiling(f"{vertex}, {fragment}"):
-        return uninterrupted(
-            context.program,
-            vertex_shader=source(f"{vertex}.vert", **definitions),
-            fragment_shader=source(f"{fragment}.frag", **definitions),
-        )
+        return uninterrupted(context.program, vertex_shader=sources[0], fragment_shader=sources[1])
 
 
 def compute(
@@ -47,17 +46,22 @@ def _compiling(name: str) -> Iterator[None]:
 def give(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> None:
     """Set uniforms, except those that the compiler removed as unused.
 
+    Textures are given together: each is bound to a texture unit of its own.
     Matrices are numpy arrays that multiply columns (M @ column); OpenGL stores them by column.
     """
-    import numpy as np
-
+    units = itertools.count()
     for name, value in values.items():
         if name not in program:
             continue
+        uniform = cast(moderngl.Uniform, program[name])
         if isinstance(value, np.ndarray):
-            program[name].write(np.ascontiguousarray(value.T, np.float32).tobytes())  # type: ignore[union-attr]
+            uniform.write(np.ascontiguousarray(value.T, np.float32).tobytes())
+        elif isinstance(value, moderngl.Texture):
+            unit = next(units)
+            value.use(unit)
+            uniform.value = unit
         else:
-            program[name].value = value  # type: ignore[union-attr]
+            uniform.value = value
 
 
 class Passes:
@@ -81,11 +85,8 @@ class Passes:
         reach: how many pixels around its own the shader reads; a compile-time constant.
         """
         if (name, reach) not in self._arrays:
-            vertex, defined = (
-                "tile" if tiles else "fullscreen",
-                self._definitions | {"REACH": reach},
-            )
-            compiled = program(self._context, vertex, name, **defined)
+            vertex = "tile" if tiles else "fullscreen"
+            compiled = program(self._context, vertex, name, REACH=reach, **self._definitions)
             self._arrays[name, reach] = self._context.vertex_array(compiled, [])
         array = self._arrays[name, reach]
         give(array.program, **uniforms)

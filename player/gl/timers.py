@@ -1,6 +1,6 @@
 """GPU time of each pass, by timer queries."""
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -52,10 +52,10 @@ class PassTimers:
 
 def profile_table(timers: list[PassTimers]) -> str:
     """A table of the mean milliseconds per frame of each pass."""
-    frames = sum(one.frames for one in timers)
-    names = dict.fromkeys(name for one in timers for name in one.totals)
-    totals = [(name, sum(one.totals[name] for one in timers)) for name in names]
-    rows = [(name, 1e3 * seconds / max(frames, 1)) for name, seconds in totals]
+    frames, totals = sum(one.frames for one in timers), Counter[str]()
+    for one in timers:
+        totals.update(one.totals)
+    rows = [(name, 1e3 * seconds / max(frames, 1)) for name, seconds in totals.items()]
     rows.append((f"all of a frame ({frames} timed)", sum(each for _, each in rows)))
     width = max(len(name) for name, _ in rows)
     return "\n".join(f"{name:{width}}{each:9.3f} ms" for name, each in rows)

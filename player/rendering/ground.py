@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.gl.framebuffer import target
+from player.gl.framebuffer import framebuffer
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -30,12 +30,12 @@ class Ground:
         self._clip = points.clip
         # First the summed coverage, then shares of the light, for which bytes are precise enough.
         kinds = ((2, "f2"), (4, "f1"), (4, "f1"))
-        self._shadows = [target(context, (SIDE, SIDE), kind, linear=True) for kind in kinds]
+        self._shadows = [framebuffer(context, (SIDE, SIDE), kind, linear=True) for kind in kinds]
         self._to_square, self._half_side = floor_square(points.clip)
 
     def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:
         """Render the shadow; point_area: area in the clip's unit that each of all points covers."""
-        context, summed = self._points.context, self._shadows[0].framebuffer
+        context, summed = self._points.context, self._shadows[0]
         summed.use()
         summed.clear()
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
@@ -51,17 +51,16 @@ class Ground:
             }
             self._points.draw("shadow", [some], uniforms)
         context.enable_only(0)
-        for source, step in enumerate(((1.0 / SIDE, 0.0), (0.0, 1.0 / SIDE))):
-            self._shadows[source + 1].framebuffer.use()
-            self._shadows[source].bind()
-            self._passes.fill("blur", source=0, direction=step, saturate=source == 0)
+        for i, step in enumerate(((1.0 / SIDE, 0.0), (0.0, 1.0 / SIDE))):
+            self._shadows[i + 1].use()
+            (source,) = self._shadows[i].color_attachments
+            self._passes.fill("blur", source=source, direction=step, saturate=i == 0)
 
-    def uniforms(self, camera: Camera, style: Style, unit: int) -> dict[str, Any]:
-        """The uniforms of ground.glsl; binds the shadow to a texture unit."""
-        self._shadows[-1].bind(unit)
+    def uniforms(self, camera: Camera, style: Style) -> dict[str, Any]:
+        """The uniforms of ground.glsl."""
         colors = GROUNDS[style.ground]
         return {
-            "shadow": unit,
+            "shadow": self._shadows[-1].color_attachments[0],
             "to_floor": self._to_square @ np.linalg.inv(camera.view()),
             "floor_share": float(style.show_ground),
             "top_color": colors.top_color,

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from player.gl.context import headless
-from player.gl.framebuffer import target
+from player.gl.framebuffer import framebuffer
 from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, samples_within
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
@@ -67,7 +67,7 @@ class Offscreen:
             self.context = headless()
             made.callback(self.context.release)
             self._supersample = samples_within(self.context, self.size, self._supersample)
-            self._framebuffer, _ = target(self.context, self.size, (4, "f1"))
+            self._framebuffer = framebuffer(self.context, self.size, (4, "f1"))
             self._renderer = Renderer(self.context, self.clip, self._supersample)
             made.callback(self._renderer.release)
             self._made = made.pop_all()

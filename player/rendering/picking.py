@@ -3,7 +3,7 @@
 import moderngl
 import numpy as np
 
-from player.gl.framebuffer import target
+from player.gl.framebuffer import framebuffer
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -27,16 +27,17 @@ def track_at(
     at: the position in pixels from the top left corner of a picture of `splats.samples`.
     """
     context, (width, height) = points.context, splats.samples
-    framebuffer, (texture,) = target(context, (SIDE, SIDE), (1, "u4"), deep=True)
-    framebuffer.use()
+    target = framebuffer(context, (SIDE, SIDE), (1, "u4"), deep=True)
+    target.use()
     context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
     context.depth_func = "1"
     passes.fill("clear_points")
     context.depth_func = "<"
     left, bottom = REACH - int(at[0]), REACH - (height - 1 - int(at[1]))
-    framebuffer.viewport = (left, bottom, width, height)
+    target.viewport = (left, bottom, width, height)
     points.draw("splat_pick", ranges, splats.uniforms())
     context.enable_only(moderngl.NOTHING)
+    (texture,) = target.color_attachments
     tracks = np.frombuffer(texture.read(), np.uint32).reshape(SIDE, SIDE)
     rows, columns = np.nonzero(tracks != NO_TRACK)
     distances = np.hypot(rows - REACH, columns - REACH)

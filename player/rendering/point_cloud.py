@@ -19,7 +19,6 @@ from player.view.colors import STEPS, Colors, ScalarField
 from player.view.style import Style
 
 PALETTE_WIDTH = 1024  # texels in a row of the palette
-PALETTE_UNIT, RAMP_UNIT = 6, 7  # texture units of the colours of organs and of values
 WORKGROUP = 128  # invocations in a workgroup of a compute shader
 POINTS_EACH = 4  # points that an invocation draws
 
@@ -71,9 +70,10 @@ class PointCloud:
         """
         for drawn in ranges:
             shader = self._program(name, drawn.layer, uniforms)
+            indices = self._every(drawn.stride)
             with self.timers.timed(name):
                 for buffers, count in self._chunks(shader, drawn):
-                    array = buffers.array(shader, self._one_in(drawn.stride))
+                    array = buffers.array(shader, indices)
                     array.render(moderngl.POINTS, vertices=-(-count // drawn.stride))
 
     def compute(
@@ -92,24 +92,20 @@ class PointCloud:
 
     def _chunks(self, shader: Any, drawn: DrawRange) -> Iterator[tuple[ChunkBuffers, int]]:
         """The chunks of a range and the number of points to draw of each; sets `first_point`."""
-        self.palette.use(PALETTE_UNIT)
-        self.ramp.use(RAMP_UNIT)
         for chunk, count in self.store.chunks(drawn):
             if drawn.layer.alpha < 1.0:
                 give(shader, first_point=chunk.first)
             yield self.store.fetch(chunk, count), count
 
-    def _one_in(self, stride: int) -> moderngl.Buffer | None:
+    def _every(self, stride: int) -> moderngl.Buffer | None:
         """Index buffer of every `stride`-th point of a chunk.
 
         Strided vertex attributes would do without, but OpenGL limits strides to 2,048 bytes.
         """
-        if stride == 1:
-            return None
-        if stride not in self._indices:
+        if stride > 1 and stride not in self._indices:
             indices = np.arange(0, self._longest_chunk, stride, dtype=np.uint32)
             self._indices[stride] = self.context.buffer(indices)
-        return self._indices[stride]
+        return self._indices.get(stride)
 
     def _program(
         self, name: str, layer: Layer, uniforms: dict[str, Any], **definitions: int
@@ -128,30 +124,26 @@ class PointCloud:
             defined["QUANTISED"] = int(interval.box is not None)
             defined["WIDE_TRACKS"] = int(interval.tracks.itemsize == 4)
             defined["WORKGROUP"] = WORKGROUP
-        key = (name, *sorted(defined.items()))
-        if key not in self._programs:
-            self._programs[key] = (
-                compute(self.context, name, **defined)
-                if definitions
-                else program(self.context, name.partition("_")[0], name, **defined)
-            )
+        key = (name, *defined.items())
+        if key not in self._programs and definitions:
+            self._programs[key] = compute(self.context, name, **defined)
+        elif key not in self._programs:
+            self._programs[key] = program(self.context, name.partition("_")[0], name, **defined)
         shader = self._programs[key]
-        low, step = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
-        if interval.box is not None:
-            low, step = interval.box.low, tuple(interval.box.step)
+        box = interval.box
         give(
             shader,
             **uniforms,
             **self._scalar,
-            slopes=_uniform(velocity_weights(interval, layer)),
-            weights=_uniform(bernstein(interval.degree, layer.parameter)),
+            slopes=velocity_weights(interval, layer),
+            weights=bernstein(interval.degree, layer.parameter),
             blend=layer.blend,
             turned=layer.parameter,
             opacity=layer.alpha,
-            box_low=low,
-            box_step=step,
-            palette=PALETTE_UNIT,
-            ramp=RAMP_UNIT,
+            box_low=(0.0, 0.0, 0.0) if box is None else box.low,
+            box_step=(1.0, 1.0, 1.0) if box is None else tuple(box.step),
+            palette=self.palette,
+            ramp=self.ramp,
         )
         return shader
 
@@ -163,8 +155,3 @@ def velocity_weights(interval: Interval, layer: Layer) -> NDArray[np.float64]:
     rate = 2.0 * layer.blend if layer.group.motion is Motion.FALL else 1.0  # falling: u = share²
     passed = np.inf if layer.litter else interval.end - interval.start
     return n * rate / passed * (np.append(0.0, lower) - np.append(lower, 0.0))
-
-
-def _uniform(weights: NDArray[np.float64]) -> Any:
-    """Weights in the form that moderngl takes for an array uniform."""
-    return tuple(weights) if len(weights) > 1 else weights[0]

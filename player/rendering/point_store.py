@@ -14,7 +14,7 @@ from itertools import islice
 import moderngl
 import numpy as np
 
-from gclip import Clip, Interval
+from gclip import Clip
 from gclip.evaluate import Layer
 from gclip.file import check_not_truncated
 from player.gl.gl_errors import OutOfGpuMemory
@@ -28,41 +28,7 @@ from player.rendering.point_buffers import (
     chunk_length,
 )
 
-STEP = 4096  # pages read between checks whether the interval is still wanted
-
-
-class Prefetch:
-    """Reads one interval at a time into memory.
-
-    A clip is memory-mapped, so its pages are read from disk when they are first touched. Touching
-    them here keeps the upload from waiting for the disk.
-    """
-
-    def __init__(self) -> None:
-        self._executor = ThreadPoolExecutor(1)
-        self._wanted: int | None = None
-        self._reading: Future[None]
-
-    def has_read(self, index: int, interval: Interval) -> bool:
-        """Whether an interval is in memory; the first call begins to read it, and no other one."""
-        if index != self._wanted:
-            self._wanted = index
-            self._reading = self._executor.submit(self._read, index, interval)
-        return self._reading.done()
-
-    def stop(self) -> None:
-        self._wanted = None
-        self._executor.shutdown(cancel_futures=True)
-
-    def _read(self, index: int, interval: Interval) -> None:
-        """Raises ClipError for a truncated file, as uploading it does, which reports that."""
-        for buffer in buffers_of(interval):
-            pages = buffer.reshape(-1).view(np.uint8)[:: mmap.PAGESIZE]
-            for first in range(0, len(pages), STEP):
-                if self._wanted != index:
-                    return
-                check_not_truncated(buffer)
-                pages[first : first + STEP].max(initial=0)
+PAGES = 4096  # read between checks whether the interval is still wanted
 
 
 class ChunkStore:
@@ -77,7 +43,8 @@ class ChunkStore:
         self._clip = clip
         self._room = room
         self._kept: dict[Chunk, ChunkBuffers] = {}  # least recently used first
-        self._prefetch = Prefetch()
+        self._executor = ThreadPoolExecutor(1)
+        self._reading: dict[int, Future[None]] = {}
         self.loaded = 0
 
     @property
@@ -127,9 +94,7 @@ class ChunkStore:
         ]
         while time.perf_counter() < ends:
             if not self._upload_slice(wanted) and not (
-                ahead
-                and self._prefetch.has_read(following, self._clip.intervals[following])
-                and self._upload_slice(ahead, keeping_all=True)
+                ahead and self._has_read(following) and self._upload_slice(ahead, keeping_all=True)
             ):
                 break
         return [self.resident(drawn) for drawn in wanted]
@@ -184,6 +149,26 @@ class ChunkStore:
         other = next((chunk for chunk in self._kept if chunk.interval != shown), None)
         return other or next(reversed(self._kept))
 
+    def _has_read(self, index: int) -> bool:
+        """Whether an interval is in memory; the first call begins to read it, and no other one.
+
+        A clip is memory-mapped, so its pages are read from disk when they are first touched.
+        Touching them in a thread keeps the upload from waiting for the disk.
+        """
+        if index not in self._reading:
+            self._reading = {index: self._executor.submit(self._read, index)}
+        return self._reading[index].done()
+
+    def _read(self, index: int) -> None:
+        """Raises ClipError for a truncated file, as uploading it does, which reports that."""
+        for buffer in buffers_of(self._clip.intervals[index]):
+            pages = buffer.reshape(-1).view(np.uint8)[:: mmap.PAGESIZE]
+            for first in range(0, len(pages), PAGES):
+                if index in self._reading:
+                    check_not_truncated(buffer)
+                    pages[first : first + PAGES].max(initial=0)
+
     def stop(self) -> None:
         """Stop reading ahead."""
-        self._prefetch.stop()
+        self._reading = {}
+        self._executor.shutdown(cancel_futures=True)

@@ -14,7 +14,7 @@ from player.errors import PlayerError
 from player.gl.framebuffer import GBuffer
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
-from player.rendering.point_cloud import PALETTE_UNIT, PointCloud
+from player.rendering.point_cloud import PointCloud
 from player.rendering.splats import SplatParams
 
 MAX_RADIUS_PX = 2.0  # largest radius in samples for which centres may be rounded to samples
@@ -52,27 +52,26 @@ class PointRaster:
                 raise
             self.backend = RasterBackend.POINTS
             self.rasterise(gbuffer, ranges, splats)
-        gbuffer.points.bind()
-        self._points.palette.use(PALETTE_UNIT)
+        nearest, picked = gbuffer.points.color_attachments
+        (occupied,) = gbuffer.tiles.color_attachments
+        reach = 1 if splats.typical_radius_px <= 1.5 else 2
+        gbuffer.tiles.use()
+        self._points.context.enable_only(moderngl.NOTHING)
+        self._passes.fill("point_tiles", reach=reach, nearest=nearest)
         uniforms = splats.uniforms() | {
-            "nearest": 0,
-            "picked": 1,
-            "occupied": 2,
-            "palette": PALETTE_UNIT,
+            "nearest": nearest,
+            "picked": picked,
+            "occupied": occupied,
+            "palette": self._points.palette,
             "by_track": self._by_track(splats),
         }
-        reach = 1 if splats.typical_radius_px <= 1.5 else 2
-        gbuffer.tiles.framebuffer.use()
-        self._points.context.enable_only(moderngl.NOTHING)
-        self._passes.fill("point_tiles", reach=reach, **uniforms)
-        gbuffer.tiles.bind(2)
-        across, up = gbuffer.tiles.framebuffer.size
+        across, up = occupied.size
         gbuffer.fill(self._passes, "fill_holes", reach=reach, tiles=across * up, **uniforms)
 
     def rasterise(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Find the nearest point in every sample: the only pass over all points."""
         context, uniforms = self._points.context, splats.uniforms()
-        gbuffer.points.framebuffer.use()
+        gbuffer.points.use()
         context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
         context.depth_func = "1"
         self._passes.fill("clear_points")
@@ -80,7 +79,7 @@ class PointRaster:
         if self.backend is RasterBackend.POINTS:
             self._points.draw("points", ranges, uniforms)
             return
-        nearest, picked = gbuffer.points.textures
+        nearest, picked = gbuffer.points.color_attachments
         nearest.bind_to_image(0, read=True, write=True)
         self._points.compute("points", ranges, uniforms, PICK=0)
         if not self._by_track(splats):

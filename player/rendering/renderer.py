@@ -32,7 +32,6 @@ from player.view.style import Style
 # takes more overlap to find the surface's edge (ALIGNED) than to close its holes.
 NATURAL_RADIUS, ALIGNED_RADIUS = 2.3, 2.6
 MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
-SHADOW_UNIT = 2
 
 
 class Renderer:
@@ -110,14 +109,9 @@ class Renderer:
             shade(self._passes, gbuffer, splats, style)
         framebuffer.viewport = (0, 0, *size)
         framebuffer.use()
-        gbuffer.light.use(0)
-        self._passes.fill(
-            "picture",
-            **splats.uniforms(),
-            **self._ground.uniforms(camera, style, SHADOW_UNIT),
-            light=0,
-            transparent=transparent,
-        )
+        (light,) = gbuffer.lit.color_attachments
+        uniforms = splats.uniforms() | self._ground.uniforms(camera, style)
+        self._passes.fill("picture", **uniforms, light=light, transparent=transparent)
         if upload_budget is not None:
             self._closing.measure_ahead()
         return _missing(ranges) == 0 and stride == 1

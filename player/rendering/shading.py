@@ -18,8 +18,8 @@ def smooth_depths(passes: Passes, gbuffer: GBuffer, splats: SplatParams) -> None
     _where_the_plant_is(gbuffer)
     for source, direction in enumerate(((1, 0), (0, 1))):
         gbuffer.filtered[1 - source].use()
-        gbuffer.depths[source].use(1)
-        passes.fill("bilateral", **splats.uniforms(), depths=1, direction=direction)
+        (depths,) = gbuffer.filtered[source].color_attachments
+        passes.fill("bilateral", **splats.uniforms(), depths=depths, direction=direction)
 
 
 def shade(passes: Passes, gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
@@ -28,10 +28,9 @@ def shade(passes: Passes, gbuffer: GBuffer, splats: SplatParams, style: Style) -
     context.enable(moderngl.BLEND)
     context.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
     gbuffer.lit.use()
-    for unit, one in enumerate((gbuffer.colors, gbuffer.depths[0], gbuffer.normals)):
-        one.use(unit)
-    uniforms = splats.uniforms() | lights(splats, style) | {"colors": 0, "depths": 1, "normals": 2}
-    passes.fill("shade", **uniforms)
+    names = ("colors", "depths", "normals")
+    surface = dict(zip(names, gbuffer.surface.color_attachments, strict=True))
+    passes.fill("shade", **splats.uniforms(), **lights(splats, style), **surface)
     context.enable_only(moderngl.NOTHING)
 
 

@@ -2,6 +2,7 @@
 
 import math
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ class ClosingDistances:
 
     def __init__(self, clip: Clip) -> None:
         self._clip = clip
-        self._at_end: dict[int, float] = {}
+        self._end = cache(self._measured)
         self._executor: ThreadPoolExecutor | None = None
 
     def at(self, index: int, share: float) -> float:
@@ -41,24 +42,19 @@ class ClosingDistances:
         if self._executor is not None:
             self._executor.shutdown(cancel_futures=True)
 
-    def _end(self, end: int) -> float:
+    def _measured(self, end: int) -> float:
         """The distance at the beginning of interval `end`, or at the end of the last one."""
-        if end not in self._at_end:
-            last = end == len(self._clip.intervals)
-            interval = self._clip.intervals[end - 1 if last else end]
-            every = -(-len(interval) // MOST)
-            points = positions_on_curve(interval, slice(None, None, every), 1.0 if last else 0.0)
+        clip, last = self._clip, end == len(self._clip.intervals)
+        interval = clip.intervals[end - 1 if last else end]
+        every = -(-len(interval) // MOST)
+        points = positions_on_curve(interval, slice(None, None, every), 1.0 if last else 0.0)
+        found = closing_distance(points)
+        if every > 1:
             # Several movers may start at one point of the scan, so distinct points are counted.
-            thinned = every if every == 1 else self._points_at(end) / distinct_count(points)
-            found = closing_distance(points) / math.sqrt(max(thinned, 1.0))
-            self._at_end[end] = found or 2.5 * self._clip.spacing
-        return self._at_end[end]
-
-    def _points_at(self, end: int) -> float:
-        """Number of points of the plant at an interval's end, interpolated between scans."""
-        intervals, scans = self._clip.intervals, self._clip.scans
-        time = intervals[end].start if end < len(intervals) else intervals[-1].end
-        return float(np.interp(time, self._clip.times, [scan.points for scan in scans]))
+            time = interval.end if last else interval.start
+            all_points = np.interp(time, clip.times, [scan.points for scan in clip.scans])
+            found /= math.sqrt(max(float(all_points) / distinct_count(points), 1.0))
+        return found or 2.5 * clip.spacing
 
 
 def distinct_count(points: NDArray[np.floating]) -> int:

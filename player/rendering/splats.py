@@ -118,9 +118,9 @@ class Splats:
     def draw(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Draw the nearest surface into the G-buffer."""
         context = self._points.context
-        front, sums = gbuffer.splat_front.framebuffer, gbuffer.splat_sums.framebuffer
+        front, sums = gbuffer.splat_front, gbuffer.splat_sums
         picture = (0, 0, *gbuffer.size)
-        viewport, uniforms = self._with_margin(splats)
+        viewport, uniforms = self._with_margin(gbuffer, splats)
         front.viewport = sums.viewport = viewport
         front.use()
         front.clear(NOTHING, viewport=picture)
@@ -132,26 +132,26 @@ class Splats:
         sums.clear(viewport=picture)
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST | moderngl.BLEND)
         context.blend_func = moderngl.ONE, moderngl.ONE
-        gbuffer.splat_front.bind()
         self._points.draw("splat_sum", ranges, uniforms | {"span": splats.shape.rim, "lift": 1.0})
 
-        gbuffer.splat_sums.bind(1)
-        gbuffer.fill(self._passes, "splat_resolve", **uniforms)
+        names = ("color_sums", "moment_sums", "normal_sums")
+        summed = dict(zip(names, sums.color_attachments, strict=True))
+        gbuffer.fill(self._passes, "splat_resolve", **uniforms, **summed)
 
     def draw_behind(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Replace the G-buffer by the surface that shows behind the edges of the nearest one."""
-        viewport, uniforms = self._with_margin(splats)
-        target, context = gbuffer.framebuffer, self._points.context
-        gbuffer.splat_front.bind()
-        gbuffer.light.use(1)
-        gbuffer.fill(self._passes, "splat_covered", **uniforms)
-        target.viewport = viewport
-        target.use()
+        viewport, uniforms = self._with_margin(gbuffer, splats)
+        context, (light,) = self._points.context, gbuffer.lit.color_attachments
+        gbuffer.fill(self._passes, "splat_covered", light=light, **uniforms)
+        gbuffer.surface.viewport = viewport
+        gbuffer.surface.use()
         context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
         context.depth_func = "<"
         self._points.draw("splat_behind", ranges, uniforms)
 
-    def _with_margin(self, splats: SplatParams) -> tuple[tuple[int, int, int, int], dict[str, Any]]:
+    def _with_margin(
+        self, gbuffer: GBuffer, splats: SplatParams
+    ) -> tuple[tuple[int, int, int, int], dict[str, Any]]:
         """A viewport larger than the picture, with uniforms: OpenGL clips points by their centres,
         however large they are.
         """
@@ -160,6 +160,6 @@ class Splats:
         margin = max(min(reach, MAX_MARGIN, (self._max_viewport - max(width, height)) // 2), 0)
         wide, tall = width + 2 * margin, height + 2 * margin
         shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
-        units = {"front": 0, "light": 1, "color_sums": 1, "moment_sums": 2, "normal_sums": 3}
-        uniforms = splats.uniforms() | units | {"projection": shrunk @ splats.projection}
-        return (-margin, -margin, wide, tall), uniforms
+        (front,) = gbuffer.splat_front.color_attachments
+        more = {"front": front, "projection": shrunk @ splats.projection}
+        return (-margin, -margin, wide, tall), splats.uniforms() | more

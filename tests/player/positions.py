@@ -52,7 +52,7 @@ def gpu_positions(
                     shader.run(-(-count // (POINTS_EACH * WORKGROUP)))
                     context.memory_barrier()
                 else:
-                    array = buffers.array(shader, points._one_in(stride))
+                    array = buffers.array(shader, points._every(stride))
                     array.transform(result, vertices=some)
                 parts.append(np.frombuffer(result.read(12 * some), np.float32).reshape(-1, 3))
     points.store.stop()

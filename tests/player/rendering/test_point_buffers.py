@@ -16,7 +16,7 @@ from gclip.pack import Movers, pack_interval
 from player.gl.gpu_memory import room
 from player.rendering import point_buffers, point_store
 from player.rendering.point_buffers import DrawRange, bytes_per_point
-from player.rendering.point_store import ChunkStore, Prefetch
+from player.rendering.point_store import ChunkStore
 from player.rendering.renderer import Renderer
 from player.view.style import Style
 from tests.player.drawn import drawn, fitted
@@ -143,17 +143,6 @@ def test_one_point_in_many(
     taken = [np.arange(n) % small_chunks % stride == 0 for n in counts]
     wanted = gpu_positions(context, clip, 2.1)[np.concatenate(taken)]
     np.testing.assert_array_equal(found, wanted)
-
-
-def test_an_interval_is_read_before_it_is_needed(make_clip) -> None:
-    clip = make_clip()
-    prefetch = Prefetch()
-    prefetch.has_read(0, clip.intervals[0])
-    ends = time.monotonic() + 120.0
-    while not prefetch.has_read(1, clip.intervals[1]) and time.monotonic() < ends:
-        time.sleep(0.001)
-    assert prefetch.has_read(1, clip.intervals[1])
-    prefetch.stop()
 
 
 def test_there_is_room(context: moderngl.Context) -> None:

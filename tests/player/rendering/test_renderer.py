@@ -16,7 +16,6 @@ from gclip.evaluate import LITTER_FADE, blend_srgb
 from gclip.pack import Movers, pack_interval
 from player.gl.context import headless
 from player.rendering.renderer import Renderer
-from player.rendering.splats import SplatParams
 from player.view.style import Style
 from tests.player.drawn import camera_at, read_pixels
 from tests.player.positions import gpu_positions
@@ -157,34 +156,3 @@ def test_point_size_and_supersampling(make_clip) -> None:
         assert cover(draw(1.0, replace(PLAIN, point_size=3.0))) > 1.05 * natural
     with drawing(make_clip(), supersample=2) as draw:
         assert cover(draw(1.0)) == pytest.approx(natural, rel=0.03)
-
-
-@pytest.mark.parametrize("point_size", [0.3, 1.0, 4.0])
-def test_all_splats_are_in_the_part_of_the_picture_that_is_drawn(
-    context: moderngl.Context,
-    make_clip,
-    monkeypatch: pytest.MonkeyPatch,
-    point_size: float,
-) -> None:
-    clip = make_clip(degree=2)
-    usual = camera_at(clip, SIZE, -90, 0.1)
-    cameras = {
-        "usual": usual,
-        "aside": usual.pan(0.4 * usual.distance, 0.3 * usual.distance),
-        "far": usual.zoom(0.2),
-        "near": usual.zoom(4.0),
-        "inside": usual.zoom(50.0),
-        "flat": usual.with_orthographic(True).zoom(1.5),
-    }
-    renderer, framebuffer = Renderer(context, clip, 1), context.simple_framebuffer(SIZE)
-    style, pictures = replace(PLAIN, point_size=point_size), dict[str, list[np.ndarray]]()
-    for region in (SplatParams.region, property(lambda splats: (0, 0, *splats.samples))):
-        monkeypatch.setattr(SplatParams, "region", region)
-        for name, camera in cameras.items():
-            for day in (0.0, 1.5, 2.2):
-                renderer.draw(framebuffer, day, camera, style, SIZE)
-                pictures.setdefault(f"{name}, day {day}", []).append(read_pixels(framebuffer))
-    renderer.release()
-    for name, (part, whole) in pictures.items():
-        np.testing.assert_array_equal(part, whole, err_msg=name)
-    assert min(cover(part) for name, (part, _) in pictures.items() if "aside" not in name) > 0

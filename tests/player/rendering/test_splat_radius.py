@@ -48,7 +48,8 @@ def test_distances_are_measured_ahead(make_clip) -> None:
     ahead.measure_ahead()
     wanted = [asked.at(index, share) for index in (0, 1) for share in (0.0, 1.0)]
     ends = time.monotonic() + 60.0
-    while len(ahead._at_end) < 3 and time.monotonic() < ends:
+    while ahead._end.cache_info().currsize < 3 and time.monotonic() < ends:
         time.sleep(0.001)
     ahead.stop()
-    assert set(ahead._at_end.values()) == set(wanted)
+    assert [ahead.at(index, share) for index in (0, 1) for share in (0.0, 1.0)] == wanted
+    assert ahead._end.cache_info().misses == 3
