@@ -1,16 +1,14 @@
-// The least depth of the nearest surface in each tile of the picture where it ends in it.
-#include "depth.glsl"
+// Marks the tiles of the picture that have splats in them.
 
-uniform sampler2D front;  // relative depths of the nearest surface
-uniform sampler2D light;  // times cover, cover
-out float out_end;
+uniform sampler2D color_sums;
+out float out_occupied;
 
 void main() {
-    ivec2 corner = ivec2(gl_FragCoord.xy) * TILE, last = textureSize(front, 0) - 1;
-    out_end = NOTHING;
+    ivec2 corner = ivec2(gl_FragCoord.xy) * TILE, last = textureSize(color_sums, 0) - 1;
+    float most = 0.0;
     for (int i = 0; i < TILE * TILE; ++i) {
         ivec2 texel = min(corner + ivec2(i % TILE, i / TILE), last);
-        bool ends = texelFetch(light, texel, 0).a < 1.0;
-        out_end = ends ? min(out_end, texelFetch(front, texel, 0).r) : out_end;
+        most = max(most, texelFetch(color_sums, texel, 0).a);
     }
+    out_occupied = most > 0.0 ? 1.0 : 0.0;
 }

@@ -45,7 +45,7 @@ class GBuffer:
 
     @cached_property
     def tiles(self) -> moderngl.Framebuffer:
-        """Which tiles of TILE by TILE samples have points in or near them."""
+        """Which tiles of TILE by TILE samples have points or splats in or near them."""
         width, height = self.size
         return framebuffer(self._context, (-(-width // TILE), -(-height // TILE)), (1, "f1"))
 
@@ -63,13 +63,20 @@ class GBuffer:
         sums.depth_mask = False
         return sums
 
+    def mark_tiles(self, passes: Passes, name: str, **uniforms: Any) -> None:
+        """Run a fragment shader that writes which tiles `fill` runs on."""
+        self.tiles.use()
+        self._context.enable_only(moderngl.NOTHING)
+        passes.fill(name, **uniforms)
+
     def fill(self, passes: Passes, name: str, **uniforms: Any) -> None:
         """Run a fragment shader that writes the surface and where the plant is."""
+        (occupied,) = self.tiles.color_attachments
         self.surface.viewport = (0, 0, *self.size)
         self.surface.use()
         self._context.enable_only(moderngl.DEPTH_TEST)
         self._context.depth_func = "1"
-        passes.fill(name, **uniforms)
+        passes.fill(name, tiles=occupied, **uniforms)
 
     def clear(self) -> None:
         """Begin a picture without a plant; colours and normals count only where a plant is."""

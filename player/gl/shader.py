@@ -79,16 +79,24 @@ class Passes:
         self._definitions = definitions
         self._arrays: dict[tuple[str, int], moderngl.VertexArray] = {}
 
-    def fill(self, name: str, *, reach: int = 0, tiles: int = 0, **uniforms: Any) -> None:
-        """Run `<name>.frag` for every pixel, or for those of a number of tiles (tile.vert).
+    def fill(
+        self,
+        name: str,
+        *,
+        reach: int = 0,
+        tiles: moderngl.Texture | None = None,
+        **uniforms: Any,
+    ) -> None:
+        """Run `<name>.frag` for every pixel.
 
         reach: how many pixels around its own the shader reads; a compile-time constant.
+        tiles: a texel for each tile of the picture; those with a 0 are left out (tile.vert).
         """
         if (name, reach) not in self._arrays:
             vertex = "tile" if tiles else "fullscreen"
             compiled = program(self._context, vertex, name, REACH=reach, **self._definitions)
             self._arrays[name, reach] = self._context.vertex_array(compiled, [])
         array = self._arrays[name, reach]
-        give(array.program, **uniforms)
+        give(array.program, **uniforms, occupied=tiles)
         with nullcontext() if self._timers is None else self._timers.timed(name):
-            array.render(moderngl.TRIANGLES, vertices=6 * tiles or 3)
+            array.render(moderngl.TRIANGLES, vertices=6 * tiles.width * tiles.height if tiles else 3)

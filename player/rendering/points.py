@@ -53,20 +53,15 @@ class PointRaster:
             self.backend = RasterBackend.POINTS
             self.rasterise(gbuffer, ranges, splats)
         nearest, picked = gbuffer.points.color_attachments
-        (occupied,) = gbuffer.tiles.color_attachments
         reach = 1 if splats.typical_radius_px <= 1.5 else 2
-        gbuffer.tiles.use()
-        self._points.context.enable_only(moderngl.NOTHING)
-        self._passes.fill("point_tiles", reach=reach, nearest=nearest)
+        gbuffer.mark_tiles(self._passes, "point_tiles", reach=reach, nearest=nearest)
         uniforms = splats.uniforms() | {
             "nearest": nearest,
             "picked": picked,
-            "occupied": occupied,
             "palette": self._points.palette,
             "by_track": self._by_track(splats),
         }
-        across, up = occupied.size
-        gbuffer.fill(self._passes, "fill_holes", reach=reach, tiles=across * up, **uniforms)
+        gbuffer.fill(self._passes, "fill_holes", reach=reach, **uniforms)
 
     def rasterise(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Find the nearest point in every sample: the only pass over all points."""

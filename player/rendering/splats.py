@@ -136,6 +136,7 @@ class Splats:
 
         names = ("color_sums", "moment_sums", "normal_sums")
         summed = dict(zip(names, sums.color_attachments, strict=True))
+        gbuffer.mark_tiles(self._passes, "splat_tiles", **summed)
         gbuffer.fill(self._passes, "splat_resolve", **uniforms, **summed)
 
     def draw_behind(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
