@@ -9,16 +9,7 @@
 #define WORDS 6
 #endif
 
-layout(std430, binding = 0) readonly buffer Points0 { uvec2 stored_points0[]; };
-#if DEGREE > 0
-layout(std430, binding = 1) readonly buffer Points1 { uvec2 stored_points1[]; };
-#endif
-#if DEGREE > 1
-layout(std430, binding = 2) readonly buffer Points2 { uvec2 stored_points2[]; };
-#endif
-#if DEGREE > 2
-layout(std430, binding = 3) readonly buffer Points3 { uvec2 stored_points3[]; };
-#endif
+layout(std430, binding = 0) readonly buffer Points { uvec2 words[]; } stored_points[DEGREE + 1];
 layout(std430, binding = 4) readonly buffer Tracks { uint stored_track[]; };
 #if SCAN_COLORS
 layout(std430, binding = 5) readonly buffer StartColors { uint stored_start_color[]; };
@@ -36,13 +27,11 @@ vec3[4] unpacked(uvec2 w[WORDS]) {
     return vec3[](first_of(uvec3(w[0], w[1].x)), second_of(uvec3(w[0], w[1].x)),
                   first_of(uvec3(w[1].y, w[2])), second_of(uvec3(w[1].y, w[2])));
 }
-#define READ(stored, at) unpacked(uvec2[](stored[at], stored[at + 1u], stored[at + 2u]))
 #else
 vec3[4] unpacked(uvec2 w[WORDS]) {
     return vec3[](uintBitsToFloat(uvec3(w[0], w[1].x)), uintBitsToFloat(uvec3(w[1].y, w[2])),
                   uintBitsToFloat(uvec3(w[3], w[4].x)), uintBitsToFloat(uvec3(w[4].y, w[5])));
 }
-#define READ(stored, at) unpacked(uvec2[](stored[at], stored[at + 1u], stored[at + 2u], stored[at + 3u], stored[at + 4u], stored[at + 5u]))
 #endif
 
 // The control points of four curves; those beyond the last point mean nothing.
@@ -51,18 +40,14 @@ struct Curves {
 };
 
 Curves stored_curves(uint four) {
-    uint at = four * uint(WORDS);
     Curves curves;
-    curves.points[0] = READ(stored_points0, at);
-#if DEGREE > 0
-    curves.points[1] = READ(stored_points1, at);
-#endif
-#if DEGREE > 1
-    curves.points[2] = READ(stored_points2, at);
-#endif
-#if DEGREE > 2
-    curves.points[3] = READ(stored_points3, at);
-#endif
+    for (int k = 0; k <= DEGREE; ++k) {
+        uvec2 words[WORDS];
+        for (uint i = 0u; i < uint(WORDS); ++i) {
+            words[i] = stored_points[k].words[four * uint(WORDS) + i];
+        }
+        curves.points[k] = unpacked(words);
+    }
     return curves;
 }
 
