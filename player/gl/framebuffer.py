@@ -1,7 +1,7 @@
 """Textures, and the framebuffers that one pass writes and the next one reads."""
 
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import moderngl
 
@@ -27,7 +27,7 @@ class GBuffer:
         self._context = context
         self.size = size
         self.surface = framebuffer(context, size, (4, "f2"), (1, "f4"), (2, "f2"), deep=True)
-        _, depths, _ = self.surface.color_attachments
+        _, depths, _ = textures_of(self.surface)
         plant = self.surface.depth_attachment
         self._mask = context.framebuffer([], plant)
         self.filtered = [
@@ -71,7 +71,7 @@ class GBuffer:
 
     def fill(self, passes: Passes, name: str, **uniforms: Any) -> None:
         """Run a fragment shader that writes the surface and where the plant is."""
-        (occupied,) = self.tiles.color_attachments
+        (occupied,) = textures_of(self.tiles)
         self.surface.viewport = (0, 0, *self.size)
         self.surface.use()
         self._context.enable_only(moderngl.DEPTH_TEST)
@@ -94,7 +94,7 @@ def framebuffer(
     depth: Any = None,
     linear: bool = False,
 ) -> moderngl.Framebuffer:
-    """Create a framebuffer with textures of its own, its `color_attachments`.
+    """Create a framebuffer with textures of its own.
 
     formats: channels and type of each, as `texture` takes them.
     deep:    with a depth buffer; depth: another framebuffer's.
@@ -104,6 +104,11 @@ def framebuffer(
         textures = [texture(context, size, *format, linear=linear) for format in formats]
         depth = context.depth_renderbuffer(size) if deep else depth
         return context.framebuffer(textures, depth)
+
+
+def textures_of(framebuffer: moderngl.Framebuffer) -> tuple[moderngl.Texture, ...]:
+    """The textures that a framebuffer writes."""
+    return cast(tuple[moderngl.Texture, ...], framebuffer.color_attachments)
 
 
 def texture(

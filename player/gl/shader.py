@@ -98,5 +98,6 @@ class Passes:
             self._arrays[name, reach] = self._context.vertex_array(compiled, [])
         array = self._arrays[name, reach]
         give(array.program, **uniforms, occupied=tiles)
+        vertices = 6 * tiles.width * tiles.height if tiles else 3
         with nullcontext() if self._timers is None else self._timers.timed(name):
-            array.render(moderngl.TRIANGLES, vertices=6 * tiles.width * tiles.height if tiles else 3)
+            array.render(moderngl.TRIANGLES, vertices=vertices)

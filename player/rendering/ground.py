@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.gl.framebuffer import framebuffer
+from player.gl.framebuffer import framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -53,14 +53,14 @@ class Ground:
         context.enable_only(0)
         for i, step in enumerate(((1.0 / SIDE, 0.0), (0.0, 1.0 / SIDE))):
             self._shadows[i + 1].use()
-            (source,) = self._shadows[i].color_attachments
+            (source,) = textures_of(self._shadows[i])
             self._passes.fill("blur", source=source, direction=step, saturate=i == 0)
 
     def uniforms(self, camera: Camera, style: Style) -> dict[str, Any]:
         """The uniforms of ground.glsl."""
         colors = GROUNDS[style.ground]
         return {
-            "shadow": self._shadows[-1].color_attachments[0],
+            "shadow": textures_of(self._shadows[-1])[0],
             "to_floor": self._to_square @ np.linalg.inv(camera.view()),
             "floor_share": float(style.show_ground),
             "top_color": colors.top_color,

@@ -3,7 +3,7 @@
 import moderngl
 import numpy as np
 
-from player.gl.framebuffer import framebuffer
+from player.gl.framebuffer import framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -37,7 +37,7 @@ def track_at(
     target.viewport = (left, bottom, width, height)
     points.draw("splat_pick", ranges, splats.uniforms())
     context.enable_only(moderngl.NOTHING)
-    (texture,) = target.color_attachments
+    (texture,) = textures_of(target)
     tracks = np.frombuffer(texture.read(), np.uint32).reshape(SIDE, SIDE)
     rows, columns = np.nonzero(tracks != NO_TRACK)
     distances = np.hypot(rows - REACH, columns - REACH)

@@ -11,7 +11,7 @@ from enum import StrEnum
 import moderngl
 
 from player.errors import PlayerError
-from player.gl.framebuffer import GBuffer
+from player.gl.framebuffer import GBuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -52,7 +52,7 @@ class PointRaster:
                 raise
             self.backend = RasterBackend.POINTS
             self.rasterise(gbuffer, ranges, splats)
-        nearest, picked = gbuffer.points.color_attachments
+        nearest, picked = textures_of(gbuffer.points)
         reach = 1 if splats.typical_radius_px <= 1.5 else 2
         gbuffer.mark_tiles(self._passes, "point_tiles", reach=reach, nearest=nearest)
         uniforms = splats.uniforms() | {
@@ -74,7 +74,7 @@ class PointRaster:
         if self.backend is RasterBackend.POINTS:
             self._points.draw("points", ranges, uniforms)
             return
-        nearest, picked = gbuffer.points.color_attachments
+        nearest, picked = textures_of(gbuffer.points)
         nearest.bind_to_image(0, read=True, write=True)
         self._points.compute("points", ranges, uniforms, PICK=0)
         if not self._by_track(splats):

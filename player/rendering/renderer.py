@@ -14,7 +14,7 @@ import numpy as np
 from gclip import Clip
 from gclip.evaluate import Layer, layers_at, locate
 from gclip.morton import BLOCK
-from player.gl.framebuffer import TILE, GBuffer
+from player.gl.framebuffer import TILE, GBuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.ground import Ground
 from player.rendering.picking import track_at
@@ -109,7 +109,7 @@ class Renderer:
             shade(self._passes, gbuffer, splats, style)
         framebuffer.viewport = (0, 0, *size)
         framebuffer.use()
-        (light,) = gbuffer.lit.color_attachments
+        (light,) = textures_of(gbuffer.lit)
         uniforms = splats.uniforms() | self._ground.uniforms(camera, style)
         self._passes.fill("picture", **uniforms, light=light, transparent=transparent)
         if upload_budget is not None:

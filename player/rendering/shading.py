@@ -4,7 +4,7 @@ from typing import Any
 
 import moderngl
 
-from player.gl.framebuffer import GBuffer
+from player.gl.framebuffer import GBuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.splats import SplatParams
 from player.view.camera import axes
@@ -18,7 +18,7 @@ def smooth_depths(passes: Passes, gbuffer: GBuffer, splats: SplatParams) -> None
     _where_the_plant_is(gbuffer)
     for source, direction in enumerate(((1, 0), (0, 1))):
         gbuffer.filtered[1 - source].use()
-        (depths,) = gbuffer.filtered[source].color_attachments
+        (depths,) = textures_of(gbuffer.filtered[source])
         passes.fill("bilateral", **splats.uniforms(), depths=depths, direction=direction)
 
 
@@ -29,7 +29,7 @@ def shade(passes: Passes, gbuffer: GBuffer, splats: SplatParams, style: Style) -
     context.blend_func = moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE
     gbuffer.lit.use()
     names = ("colors", "depths", "normals")
-    surface = dict(zip(names, gbuffer.surface.color_attachments, strict=True))
+    surface: dict[str, Any] = dict(zip(names, textures_of(gbuffer.surface), strict=True))
     passes.fill("shade", **splats.uniforms(), **lights(splats, style), **surface)
     context.enable_only(moderngl.NOTHING)
 

@@ -7,7 +7,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from player.gl.framebuffer import NOTHING, GBuffer
+from player.gl.framebuffer import NOTHING, GBuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -135,14 +135,14 @@ class Splats:
         self._points.draw("splat_sum", ranges, uniforms | {"span": splats.shape.rim, "lift": 1.0})
 
         names = ("color_sums", "moment_sums", "normal_sums")
-        summed = dict(zip(names, sums.color_attachments, strict=True))
+        summed = dict(zip(names, textures_of(sums), strict=True))
         gbuffer.mark_tiles(self._passes, "splat_tiles", **summed)
         gbuffer.fill(self._passes, "splat_resolve", **uniforms, **summed)
 
     def draw_behind(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Replace the G-buffer by the surface that shows behind the edges of the nearest one."""
         viewport, uniforms = self._with_margin(gbuffer, splats)
-        context, (light,) = self._points.context, gbuffer.lit.color_attachments
+        context, (light,) = self._points.context, textures_of(gbuffer.lit)
         gbuffer.fill(self._passes, "splat_covered", light=light, **uniforms)
         gbuffer.surface.viewport = viewport
         gbuffer.surface.use()
@@ -161,6 +161,6 @@ class Splats:
         margin = max(min(reach, MAX_MARGIN, (self._max_viewport - max(width, height)) // 2), 0)
         wide, tall = width + 2 * margin, height + 2 * margin
         shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
-        (front,) = gbuffer.splat_front.color_attachments
+        (front,) = textures_of(gbuffer.splat_front)
         more = {"front": front, "projection": shrunk @ splats.projection}
         return (-margin, -margin, wide, tall), splats.uniforms() | more
