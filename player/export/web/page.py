@@ -1,6 +1,7 @@
 """One HTML file that shows the growing plant: no server, no other file, nothing from outside."""
 
 import base64
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from html import escape
@@ -178,14 +179,10 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
 
 def _narrowest(clip: Clip, aspect: float) -> float:
     """The aspect of the narrowest picture that shows the plant as large as one of `aspect` does."""
-    low, enough = 0.2 * aspect, 1.01 * Camera.home(clip, aspect).distance
-    for _ in range(6):
-        middle = (low + aspect) / 2
-        if Camera.home(clip, middle).distance > enough:
-            low = middle
-        else:
-            aspect = middle
-    return aspect
+    aspects = np.linspace(0.2, 1.0, 51) * aspect
+    nearness = -1.01 * Camera.home(clip, aspect).distance
+    found = bisect_left(aspects, nearness, key=lambda other: -Camera.home(clip, other).distance)
+    return float(aspects[found])
 
 
 def _moments(clip: Clip) -> list[tuple[float, str, str]]:
