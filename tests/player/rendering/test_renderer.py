@@ -11,10 +11,13 @@ import moderngl
 import numpy as np
 import pytest
 
+import player.gl.framebuffer
+import player.rendering.renderer
 from gclip import Clip, Motion
 from gclip.evaluate import LITTER_FADE, blend_srgb
 from gclip.pack import Movers, pack_interval
 from player.gl.context import headless
+from player.gl.framebuffer import TILE
 from player.rendering.renderer import Renderer
 from player.view.style import Style
 from tests.player.drawn import camera_at, read_pixels
@@ -156,3 +159,37 @@ def test_point_size_and_supersampling(make_clip) -> None:
         assert cover(draw(1.0, replace(PLAIN, point_size=3.0))) > 1.05 * natural
     with drawing(make_clip(), supersample=2) as draw:
         assert cover(draw(1.0)) == pytest.approx(natural, rel=0.03)
+
+
+@pytest.mark.parametrize("point_size", [0.3, 1.0, 4.0])
+def test_all_splats_are_in_the_tiles_that_are_drawn(
+    context: moderngl.Context,
+    make_clip,
+    monkeypatch: pytest.MonkeyPatch,
+    point_size: float,
+) -> None:
+    """The picture in tiles is the picture in one tile."""
+    clip = make_clip(degree=2)
+    usual = camera_at(clip, SIZE, -90, 0.1)
+    cameras = {
+        "usual": usual,
+        "aside": usual.pan(0.4 * usual.distance, 0.3 * usual.distance),
+        "far": usual.zoom(0.2),
+        "near": usual.zoom(4.0),
+        "inside": usual.zoom(50.0),
+        "flat": usual.with_orthographic(True).zoom(1.5),
+    }
+    framebuffer = context.simple_framebuffer(SIZE)
+    style, pictures = replace(PLAIN, point_size=point_size), dict[str, list[np.ndarray]]()
+    for tile in (TILE, max(SIZE)):
+        for module in (player.gl.framebuffer, player.rendering.renderer):
+            monkeypatch.setattr(module, "TILE", tile)
+        renderer = Renderer(context, clip, 1)
+        for name, camera in cameras.items():
+            for day in (0.0, 1.5, 2.2):
+                renderer.draw(framebuffer, day, camera, style, SIZE)
+                pictures.setdefault(f"{name}, day {day}", []).append(read_pixels(framebuffer))
+        renderer.release()
+    for name, (tiled, whole) in pictures.items():
+        np.testing.assert_array_equal(tiled, whole, err_msg=name)
+    assert min(cover(tiled) for name, (tiled, _) in pictures.items() if "aside" not in name) > 0
