@@ -7,7 +7,7 @@ import moderngl
 
 from gclip import Clip
 from gclip.corrections import Place
-from player.gl.framebuffer import Target, target
+from player.gl.framebuffer import framebuffer, textures_of
 from player.gl.gl_errors import pictures_of
 from player.gl.shader import Passes
 from player.gl.timers import PassTimers
@@ -63,7 +63,7 @@ class Viewports:
         self._colors = [Colors(clip) for clip in clips]
         self._renderers: dict[tuple[int, str, int | None], Renderer] = {}
         self._passes = Passes(context)
-        self._pictures: dict[int, Target] = {}
+        self._pictures: dict[int, moderngl.Framebuffer] = {}
         self._painted: tuple[tuple[int, int], tuple[Pane, ...], Style, Detail] | None = None
         self.whole = self.loading = True
         self.gpu_seconds = 0.0
@@ -131,8 +131,8 @@ class Viewports:
         self._context.enable_only(moderngl.NOTHING)
         for number, pane in enumerate(panes):
             screen.viewport, screen.scissor = _places(pane, size)
-            self._pictures[number].bind()
-            self._passes.fill("blit", picture=0)
+            (picture,) = textures_of(self._pictures[number])
+            self._passes.fill("blit", picture=picture)
         screen.scissor = None  # type: ignore[assignment]
 
     def pixels(self) -> bytes:
@@ -170,10 +170,10 @@ class Viewports:
 
     def _framebuffer(self, number: int, size: tuple[int, int]) -> moderngl.Framebuffer:
         """What a pane is drawn into; the last one is given up where its size differs."""
-        if number not in self._pictures or self._pictures[number].framebuffer.size != size:
+        if number not in self._pictures or self._pictures[number].size != size:
             self._pictures.pop(number, None)
-            self._pictures[number] = target(self._context, size, (4, "f1"), linear=True)
-        return self._pictures[number].framebuffer
+            self._pictures[number] = framebuffer(self._context, size, (4, "f1"), linear=True)
+        return self._pictures[number]
 
 
 def _places(pane: Pane, size: tuple[int, int]) -> tuple[tuple[int, int, int, int], ...]:
