@@ -7,7 +7,7 @@ on the GPU always show the whole plant, if with fewer points.
 
 import mmap
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Set
 from concurrent.futures import Future, ThreadPoolExecutor
 from itertools import islice
 
@@ -86,40 +86,40 @@ class ChunkStore:
         for drawn in wanted:
             for chunk, count in islice(self.chunks(drawn), 1):
                 self.fetch(chunk, min(count, SLICE))
-        following = max((drawn.layer.interval for drawn in wanted), default=0) + 1
+        shown = {drawn.layer.interval for drawn in wanted}
+        following = max(shown, default=0) + 1
         ahead = [
             DrawRange(Layer(following, group, 0, 0, 1), group.count)
             for interval in self._clip.intervals[following : following + 1]
             for group in interval.groups
         ]
         while time.perf_counter() < ends:
-            if not self._upload_slice(wanted) and not (
-                ahead and self._has_read(following) and self._upload_slice(ahead, keeping_all=True)
+            if not self._upload_slice(wanted, shown) and not (
+                ahead and self._has_read(following) and self._upload_slice(ahead)
             ):
                 break
         return [self.resident(drawn) for drawn in wanted]
 
-    def _upload_slice(self, ranges: list[DrawRange], keeping_all: bool = False) -> bool:
+    def _upload_slice(self, ranges: list[DrawRange], keeping: Set[int] | None = None) -> bool:
         """Upload a slice of that range of which the least is there; False if all is there, or no
-        more of it fits.
+        more of it fits beside some intervals' chunks, or beside all.
         """
         filled = [drawn for drawn in ranges if drawn.count]
         least = min(filled, key=lambda drawn: self.resident(drawn) / drawn.count, default=None)
         for chunk, count in self.chunks(least) if least else ():
             kept = self._kept.get(chunk)
-            if kept is None and not self._fits(chunk, keeping_all):
+            if kept is None and not self._fits(chunk, keeping):
                 return False
             if kept is None or kept.resident < count:
                 self.loaded += self._made(chunk).upload(count)
                 return True
         return False
 
-    def _fits(self, chunk: Chunk, keeping_all: bool) -> bool:
-        """Whether there is room for a chunk beside those of its interval, or beside all."""
+    def _fits(self, chunk: Chunk, keeping: Set[int] | None) -> bool:
         beside = sum(
             buffers.size
             for other, buffers in self._kept.items()
-            if keeping_all or other.interval == chunk.interval
+            if keeping is None or other.interval in keeping
         )
         return self._bytes(chunk) + beside <= self._room
 

@@ -165,3 +165,19 @@ def test_a_prefix_is_a_fair_sample() -> None:
             some = np.bincount(values[:count].astype(int), minlength=bins) / count
             chance = np.sqrt(full * (1 - full) * BLOCK / count)
             assert (np.abs(some - full) <= 4.0 * chance + 1e-3).all()
+
+
+def test_what_is_shown_together_does_not_evict_each_other(
+    context: moderngl.Context, make_clip, small_chunks: int
+) -> None:
+    """Litter is of the interval before; with too little room for both, loading comes to an end."""
+    clip = series(make_clip(), 3)
+    size = len(clip.intervals[0]) * bytes_per_point(clip.intervals[0])
+    store = ChunkStore(context, clip, int(1.3 * size))
+    wanted = [*whole(clip, 0.5), *whole(clip, 1.5)]
+    store.load(wanted, 1.0)
+    loaded, there = store.loaded, store.load(wanted, 1.0)
+    assert store.load(wanted, 1.0) == there
+    assert store.loaded == loaded
+    assert store.size <= 1.3 * size
+    store.stop()
