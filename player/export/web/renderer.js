@@ -221,6 +221,6 @@ class Renderer {
 
 // The Bernstein weights of a Bezier curve's points.
 function bernstein(degree, u) {
-    const choose = [[], [1, 1], [1, 2, 1], [1, 3, 3, 1]][degree];
+    const choose = [[1], [1, 1], [1, 2, 1], [1, 3, 3, 1]][degree];
     return choose.map((ways, j) => ways * u ** j * (1 - u) ** (degree - j));
 }
