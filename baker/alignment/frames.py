@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from baker.alignment.pose import Pose, pose_at
 from baker.alignment.sample import EvenSample
 from baker.alignment.yaw import YAWS, YawFit, direction_curve, second_yaw, wrapped
-from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
 from baker.scans.scan import Finding
 
@@ -22,7 +21,7 @@ from baker.scans.scan import Finding
 # their stems, 29 of 30 do (of triples, 3 of 5).
 MIN_GAIN, MIN_GAIN_OF_HALF = 0.5, 0.2
 CLOSE_GAIN = 0.2  # of a single scan that is reported
-LARGE_MOVE, LARGE_TURN = 0.2, 15.0  # that are reported: share of the plant's size, degrees
+LARGE_MOVE = 0.2  # that is reported, as a share of the plant's size
 MAX_LISTED_DOUBTS = 3
 
 Points = NDArray[np.float64]
@@ -30,23 +29,17 @@ Points = NDArray[np.float64]
 
 def best_poses(
     samples: Sequence[EvenSample],
-    places: Sequence[Sequence[Points]],
+    places: Sequence[Points],
     vertical: Vertical,
     stems: Sequence[int | None],
-    map: MapLike = map,
 ) -> list[Pose]:
     """Choose the base of each scan for which the organs fit those of the previous scan best.
 
-    places: the possible bases of each scan, (3,) each. stems: the label of each scan's stem.
+    places: (c, 3) possible bases of each scan. stems: the label of each scan's stem.
     """
     poses: list[Pose] = []
-
-    def pose_candidates(
-        sample: EvenSample, bases: Sequence[Points], stem: int | None
-    ) -> list[Pose]:
-        return [pose_at(sample, vertical, base, stem) for base in bases]
-
-    for candidates in map(pose_candidates, samples, places, stems):
+    for sample, bases, stem in zip(samples, places, stems, strict=True):
+        candidates = [pose_at(sample, vertical, base, stem) for base in bases]
         fits = [direction_curve(poses[-1], p, False).max() if poses else 0.0 for p in candidates]
         poses.append(candidates[int(np.argmax(fits))])
     return poses
@@ -75,13 +68,15 @@ def frame_finding(
     stays: (S,) whether each scan stays as it is. unit: of lengths. asked: whether the user asked
     for the scans to be rotated.
     """
-    size = max(float(np.ptp(pose.pool, axis=0).max()) for pose in poses)
+    size = max(float(np.ptp(sample.points, axis=0).max()) for sample in samples)
     names, offsets = [sample.name for sample in samples], [sample.offset for sample in samples]
-    moved = [
-        t[:3, :3] @ pose.base + t[:3, 3] - pose.base - offset
-        for t, pose, offset in zip(transforms, poses, offsets, strict=True)
-    ]
-    usual = np.median([by for by, stay in zip(moved, stays, strict=True) if stay] or moved, axis=0)
+    moved = np.array(
+        [
+            t[:3, :3] @ pose.base + t[:3, 3] - pose.base - offset
+            for t, pose, offset in zip(transforms, poses, offsets, strict=True)
+        ]
+    )
+    usual = np.median(moved[stays] if stays.any() else moved, axis=0)
     distances = np.linalg.norm(moved - usual, axis=1)
     doubts, farthest, longest = [], names[int(np.argmax(distances))], float(distances.max())
     length = f"{longest:.3g} {unit}".strip()
@@ -90,12 +85,9 @@ def frame_finding(
     elif longest > LARGE_MOVE * size:
         doubts = [f"{farthest} was moved by {length}, more than a fifth of the plant's size"]
     if stays.any():
-        found = "the scans share a frame and stay as they are"
         brought = [name for name, stay in zip(names, stays, strict=True) if not stay]
-        if brought:
-            found = (
-                f"the scans share a frame, but for {', '.join(brought)}, brought onto the others"
-            )
+        but = f", but for {', '.join(brought)}, brought onto the others"
+        found = f"the scans share a frame{but if brought else ' and stay as they are'}"
         doubts += [
             f"{name} would fit the scan before better turned by {wrapped(YAWS[place]):.0f} degrees"
             for name, place, gain in zip(names[1:], fit.places, fit.gains, strict=True)
@@ -105,9 +97,6 @@ def frame_finding(
     else:
         found = "each scan was turned and set on the one before"
         found += ", as asked" if asked else ", for they do not share a frame"
-        turns = np.abs(wrapped(YAWS[fit.places]))
-        if not doubts and turns.max() > LARGE_TURN:
-            doubts = [f"{names[1 + int(turns.argmax())]} was turned by {turns.max():.0f} degrees"]
         doubts += [
             f"{name} fits the scan before nearly as well turned by a further {other:.0f} degrees"
             for name, curve, place in zip(names[1:], fit.curves, fit.places, strict=True)

@@ -63,13 +63,10 @@ def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
     keyframes = []
     scans = zip(series.scans, alignment.transforms, alignment.bases, strict=True)
     for scan, transform, base in scans:
-        positions = scan.points
-        if not np.array_equal(transform, np.eye(4)):
-            moved = scan.points @ transform[:3, :3].T + transform[:3, 3]
-            positions = moved.astype(np.float32)
+        moved = scan.points @ transform[:3, :3].T + transform[:3, 3]  # exact for the identity
         opaque = np.full((len(scan), 1), 255, np.uint8)
         colors = None if scan.colors is None else np.hstack([scan.colors, opaque])
-        keyframes.append(Keyframe(positions, colors, base=base))
+        keyframes.append(Keyframe(moved.astype(np.float32), colors, base=base))
     return keyframes
 
 

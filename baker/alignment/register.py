@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 from baker.alignment.frames import best_poses, frame_finding, share_frame
 from baker.alignment.icp import trimmed_icp
 from baker.alignment.pose import Pose, transform_onto
-from baker.alignment.sample import even_sample
+from baker.alignment.sample import EvenSample, even_sample
 from baker.alignment.stem_base import common_base, stem_labels
 from baker.alignment.unlike_scans import unlike_scans
 from baker.alignment.up_axis_search import find_up
-from baker.alignment.yaw import YAWS, YawFit, direction_curve, exact_yaw, fit_yaws
+from baker.alignment.yaw import YAWS, YawFit, exact_yaw, fit_yaws
 from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.up_axis import Vertical
-from baker.scans.scan import Finding, Series
+from baker.scans.scan import Finding, Scan, Series
 
 
 @dataclass(frozen=True)
@@ -28,17 +28,6 @@ class Alignment:
     transforms: tuple[NDArray[np.float64], ...]  # (4, 4) from each scan's coordinates
     bases: tuple[NDArray[np.float64], ...]  # (3,) plant base of each scan, in the common frame
     findings: tuple[Finding, ...] = ()  # about the up axis, the frame and unlike scans
-
-    @property
-    def moves(self) -> list[tuple[float, float]]:
-        """The rotation of each scan in degrees, and the distance that its base was moved."""
-        moves = []
-        for transform, base in zip(self.transforms, self.bases, strict=True):
-            original = np.linalg.solve(transform, np.append(base, 1.0))[:3]
-            cosine = np.clip((np.trace(transform[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)
-            angle = float(np.degrees(np.arccos(cosine)))
-            moves.append((angle, float(np.linalg.norm(base - original))))
-        return moves
 
 
 def align(
@@ -74,26 +63,27 @@ def align(
     """
     progress = progress or (lambda stage, done, total: None)
     scans = series.scans
-    total = 2 * len(scans)  # samples, poses
-    map = reporting(map, lambda done, _: progress("aligning", done, total), total - 1)
+    total = len(scans) + 1  # samples, and all else
+    map = reporting(map, lambda done, _: progress("aligning", done, total), len(scans))
     labelled = all(scan.labels is not None for scan in scans)
-    sampled = [
-        (s.points, s.labels if labelled else None, s.name, s.origin - scans[0].origin)
-        for s in scans
-    ]
-    samples = list(map(even_sample, *zip(*sampled, strict=True)))
+
+    def sample_of(scan: Scan) -> EvenSample:
+        labels, offset = scan.labels if labelled else None, scan.origin - scans[0].origin
+        return even_sample(scan.points, labels, scan.name, offset)
+
+    samples = list(map(sample_of, scans))
     direction, findings = find_up(samples, up, series.ground_up)
     vertical = Vertical.named(direction)
     stems = stem_labels(samples, vertical) if labelled else [None] * len(scans)
     places, in_place = common_base(samples, stems, vertical)
     if root is not None:
-        places[0] = [np.asarray(root, float)]
+        places[0] = np.asarray(root, float)[None]
+    bases = [place[0] for place in places]
     transforms = [np.eye(4) for _ in samples]
     for transform, sample in zip(transforms, samples, strict=True):
         transform[:3, 3] = sample.offset
-    bases = [place[0] for place in places]
     if method == "icp":
-        steps = [trimmed_icp(*pair, np.eye(4)) for pair in pairwise(samples)]
+        steps = [trimmed_icp(*pair) for pair in pairwise(samples)]
         transforms = list(accumulate(steps, np.matmul, initial=np.eye(4)))
     elif method == "none":
         remote = ", ".join(sample.name for sample in samples if sample.offset.any())
@@ -101,7 +91,7 @@ def align(
         doubt = doubt if remote else ""
         findings.append(Finding("frame", "left as it is, as asked", doubt, "--align auto"))
     elif len(scans) > 1:
-        poses = best_poses(samples, places, vertical, stems, map)
+        poses = best_poses(samples, places, vertical, stems)
         bases = [pose.base for pose in poses]
         fit = fit_yaws(poses, labelled)
         stays = method == "auto" and share_frame(fit, in_place)
@@ -124,18 +114,13 @@ def _register_scans(
 
     Other scans are registered with the nearest scan that stays or, if none does, with the previous.
     """
-    transforms = list(given)
-    if not stays.any():
-        for k, (pair, place) in enumerate(zip(pairwise(poses), fit.places, strict=True)):
-            yaw = exact_yaw(*pair, float(YAWS[place]), fit.by_label)
-            transforms[k + 1] = transforms[k] @ transform_onto(*pair, yaw)
-        return transforms
-    staying = np.flatnonzero(stays).tolist()
-    for k in np.flatnonzero(~stays).tolist():
-        nearest = sorted(staying, key=lambda other: abs(other - k))[:2]
-        curves = [direction_curve(poses[other], poses[k], fit.by_label) for other in nearest]
-        pair, best = (poses[nearest[0]], poses[k]), int(np.argmax(np.sum(curves, axis=0)))
-        yaw = exact_yaw(*pair, float(YAWS[best]), fit.by_label)
-        transforms[k] = given[nearest[0]] @ transform_onto(*pair, yaw)
+    transforms, staying = list(given), np.flatnonzero(stays).tolist()
+    directions = np.append(0, np.cumsum(fit.places))  # of the scans, as indices in YAWS
+    for k in range(0 if staying else 1, len(poses)):
+        if not stays[k]:
+            to = min(staying, key=lambda other: abs(other - k)) if staying else k - 1
+            yaw = float(YAWS[(directions[k] - directions[to]) % len(YAWS)])
+            yaw = exact_yaw(poses[to], poses[k], yaw, fit.by_label)
+            transforms[k] = transforms[to] @ transform_onto(poses[to], poses[k], yaw)
     to_first = np.linalg.inv(transforms[0])
     return [np.eye(4), *(to_first @ transform for transform in transforms[1:])]

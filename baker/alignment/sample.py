@@ -1,6 +1,5 @@
 """Even samples of scans, in which organs count by their area, however densely they were scanned."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -8,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import connected_knn_graph
-from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, Gaps, nearest_neighbors, segment_adjacency
+from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors
 from baker.geometry.sampling import farthest_point_sample
 
 if TYPE_CHECKING:
@@ -26,7 +25,6 @@ class EvenSample:
     points: NDArray[np.float64]  # (n, 3) farthest-point sample of the pool
     pool_labels: NDArray[np.integer]  # (M,) organ of each point; -1 where the scan has no labels
     labels: NDArray[np.integer]  # (n,) organs of the sample
-    gaps: Gaps  # between adjacent organs
     name: str  # of the scan
     offset: NDArray[np.float64]  # (3,) origin of the scan's coordinates minus that of the first
 
@@ -35,7 +33,7 @@ def even_sample(
     cloud: NDArray[np.floating],
     labels: NDArray[np.integer] | None = None,
     name: str = "",
-    offset: Sequence[float] = (0.0, 0.0, 0.0),
+    offset: NDArray[np.float64] | tuple[float, ...] = (0.0, 0.0, 0.0),
 ) -> EvenSample:
     """Sample at most 1,500 points of an (N, 3) cloud with (N,) labels by farthest points."""
     labels = np.full(len(cloud), -1) if labels is None else labels
@@ -43,15 +41,13 @@ def even_sample(
         kept = np.random.default_rng(SEED).choice(len(cloud), POOL_SIZE, replace=False)
         cloud, labels = cloud[kept], labels[kept]
     pool = np.asarray(cloud, np.float64)
-    neighbors = nearest_neighbors(pool, NEIGHBORS_FOR_REACH)
-    gaps = segment_adjacency(labels, neighbors)
-    pool, labels = pool[neighbors.inliers], labels[neighbors.inliers]
-    indices = farthest_point_sample(pool, SAMPLE_SIZE)
-    points, sampled = pool[indices], labels[indices]
-    return EvenSample(pool, points, labels, sampled, gaps, name, np.asarray(offset, float))
+    is_inlier = nearest_neighbors(pool, NEIGHBORS_FOR_REACH).inliers
+    pool, labels = pool[is_inlier], labels[is_inlier]
+    chosen = farthest_point_sample(pool, SAMPLE_SIZE)
+    return EvenSample(pool, pool[chosen], labels, labels[chosen], name, np.asarray(offset, float))
 
 
 def surface_graph(points: NDArray[np.float64]) -> "csr_matrix":
     """The connected, symmetric kNN graph of (n, 3) points of an even sample."""
-    graph = connected_knn_graph(points, NEIGHBORS_ON_SURFACE)[0]
+    graph = connected_knn_graph(points, NEIGHBORS_ON_SURFACE)
     return graph.maximum(graph.T)

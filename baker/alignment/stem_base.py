@@ -7,14 +7,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.sample import EvenSample, surface_graph
-from baker.geometry.graph import MIN_LENGTH
+from baker.geometry.graph import MIN_LENGTH, segment_gaps
 from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, Neighbors, nearest_neighbors
 from baker.geometry.up_axis import Vertical
 
 CLOSE_SCORE = 0.4  # by which the usual label of the stem may score less than another in a scan
 MAX_CANDIDATES = 3
 LOW_SHARE = 0.1  # of the height: the slab in which the base is searched for
-MIN_PART_SHARE = 0.1  # of the points of that slab; smaller components are noise
+MIN_PART_SHARE = 0.1  # of the largest component of that slab; smaller ones are noise
 BASE_SHARE = 0.04  # of the height: the part of the stem whose centroid is the base
 MAX_BASE_OFFSET = 0.06  # of the plant's largest size, between bases that are in one place
 
@@ -40,7 +40,7 @@ def stem_labels(samples: Sequence[EvenSample], vertical: Vertical) -> list[int]:
 def _stem_scores(sample: EvenSample, vertical: Vertical) -> dict[int, float]:
     """Label -> score as the stem, by the number of adjacent organs and the height."""
     labels, heights = sample.pool_labels, vertical.height(sample.pool)
-    adjacent = Counter(label for label, _ in sample.gaps)
+    adjacent = Counter(label for label, _ in segment_gaps(sample.pool, labels))
     most = max(adjacent.values(), default=1)
     heights = (heights - heights.min()) / max(np.ptp(heights), np.finfo(float).tiny)
     scores = {}
@@ -50,78 +50,62 @@ def _stem_scores(sample: EvenSample, vertical: Vertical) -> dict[int, float]:
     return scores
 
 
-def stem_base(points: Points, vertical: Vertical) -> Points:
-    """(3,) centroid of the lowest of a stem's (N, 3) points, at the height of the lowest one."""
+def stem_base(points: Points, vertical: Vertical, height: float) -> Points:
+    """(3,) centroid of the lowest of a stem's (N, 3) points, at the height of the lowest one.
+
+    height: of the stem.
+    """
     heights = vertical.height(points)
-    low = heights <= heights.min() + BASE_SHARE * np.ptp(heights)
-    middle = points[low].mean(axis=0)[None]
-    return np.asarray(vertical.at_height(middle, float(heights.min()))[0], np.float64)
+    low = points[heights <= heights.min() + BASE_SHARE * height]
+    return vertical.at_height(low.mean(axis=0)[None], heights.min())[0]
 
 
 def common_base(
     samples: Sequence[EvenSample], stems: Sequence[int | None], vertical: Vertical
-) -> tuple[list[list[Points]], NDArray[np.bool_]]:
+) -> tuple[list[Points], NDArray[np.bool_]]:
     """Find the position of the plant base on which most scans agree.
 
-    Each scan has one or several candidates. A scan agrees with a position if one of its candidates
-    is near, or if its lowest points near the vertical through the position are there; a leaf that
-    hangs lower does so elsewhere. If the stem is labelled, only its points count.
+    A scan agrees with a position if its lowest points near the vertical through the position are
+    there; a leaf that hangs lower does so elsewhere. Only the points of a labelled stem count.
 
-    Parameters
-    ----------
-    samples : sequence of EvenSample
-    stems : sequence of int or None
-        The label of the stem in each scan.
-    vertical : Vertical
+    Returns the (1, 3) base of each scan in its coordinates, or its (c, 3) candidates if it does not
+    agree; and whether it agrees, False for all if there is no position on which two thirds do.
 
-    Returns
-    -------
-    bases : list of lists of (3,) float64
-        The base of each scan in its coordinates, or its candidates if the scan does not agree.
-    in_place : (S,) bool
-        Whether each scan agrees; all False if there is no position on which two thirds agree.
+    stems: the label of the stem in each scan, None without labels.
     """
-    pools = [
-        sample.pool if stem is None else sample.pool[sample.pool_labels == stem]
+    clouds = [
+        sample.points if stem is None else sample.pool[sample.pool_labels == stem]
         for sample, stem in zip(samples, stems, strict=True)
     ]
-    candidates = [
-        base_candidates(sample, vertical) if stem is None else [stem_base(pool, vertical)]
-        for sample, stem, pool in zip(samples, stems, pools, strict=True)
-    ]
+    candidates = [base_candidates(cloud, vertical) for cloud in clouds]
     radius = MAX_BASE_OFFSET * max(float(np.ptp(s.points, axis=0).max()) for s in samples)
     best: list[Points | None] = [None] * len(samples)
     for of_scan, sample in zip(candidates, samples, strict=True):
-        for position in of_scan:
+        for position in of_scan + sample.offset:
             bases = [
-                _base_near(position + sample.offset - s.offset, other, pool, radius, vertical)
-                for other, pool, s in zip(candidates, pools, samples, strict=True)
+                _base_near(position - other.offset, cloud, radius, vertical)
+                for other, cloud in zip(samples, clouds, strict=True)
             ]
-            if sum(base is None for base in bases) < sum(base is None for base in best):
-                best = bases
+            best = min(best, bases, key=lambda found: sum(base is None for base in found))
     in_place = np.array([base is not None for base in best])
     if 3 * in_place.sum() < 2 * len(samples):
         return candidates, np.zeros(len(samples), bool)
-    return [
-        of_scan if base is None else [base] for of_scan, base in zip(candidates, best, strict=True)
-    ], in_place
+    pairs = zip(candidates, best, strict=True)
+    return [of_scan if base is None else base[None] for of_scan, base in pairs], in_place
 
 
 def _base_near(
-    position: Points, candidates: Sequence[Points], pool: Points, radius: float, vertical: Vertical
+    position: Points, points: Points, radius: float, vertical: Vertical
 ) -> Points | None:
-    """The base of a scan near a position: a candidate, else its lowest points there, or None."""
-    nearest = min(candidates, key=lambda base: float(np.linalg.norm(base - position)))
-    if np.linalg.norm(nearest - position) <= radius:
-        return nearest
-    column = pool[np.linalg.norm(vertical.at_height(pool - position, 0.0), axis=1) <= radius]
-    if not len(column) or abs(vertical.height(column - position).min()) > radius:
+    """The lowest points near the vertical through a position, if they are near it, too."""
+    near = points[np.linalg.norm(vertical.at_height(points - position, 0.0), axis=1) <= radius]
+    if not len(near) or abs(vertical.height(near - position).min()) > radius:
         return None
-    return stem_base(column, vertical)
+    return stem_base(near, vertical, np.ptp(vertical.height(points)))
 
 
-def base_candidates(sample: EvenSample, vertical: Vertical) -> list[Points]:
-    """At most three possible positions of the plant base of a scan, the most likely first.
+def base_candidates(points: Points, vertical: Vertical) -> Points:
+    """(c, 3) at most three positions of the plant base, the most likely first, from (n, 3) points.
 
     The tip of a hanging leaf may be as low as the plant base. But the paths from the base to other
     points lead upwards, except where organs droop, while the paths from the tip first lead up the
@@ -130,25 +114,18 @@ def base_candidates(sample: EvenSample, vertical: Vertical) -> list[Points]:
     """
     from scipy.sparse.csgraph import connected_components, dijkstra
 
-    graph = surface_graph(sample.points)
-    heights = vertical.height(sample.points)
+    graph, heights = surface_graph(points), vertical.height(points)
     height = np.ptp(heights)
     low = np.flatnonzero(heights <= heights.min() + LOW_SHARE * height)
-    count, component = connected_components(graph[low][:, low], directed=False)
+    _, component = connected_components(graph[low][:, low], directed=False)
     starts, ends = graph.nonzero()
     graph.data = np.maximum(heights[starts] - heights[ends], MIN_LENGTH)
-    candidates = []
-    for members in (low[component == number] for number in range(count)):
-        if len(members) < MIN_PART_SHARE * len(low):
-            continue
-        lowest = int(members[np.argmin(heights[members])])
-        base = members[heights[members] <= heights[lowest] + BASE_SHARE * height]
-        center = vertical.at_height(sample.points[base].mean(axis=0)[None], heights[lowest])[0]
-        candidates.append((float(dijkstra(graph, indices=lowest).mean()), lowest, center))
-    if not candidates:
-        return [sample.points[np.argmin(heights)]]
-    ranked = sorted(candidates, key=lambda candidate: candidate[:2])
-    return [center for _, _, center in ranked[:MAX_CANDIDATES]]
+    sizes = np.bincount(component)
+    parts = [low[component == n] for n in np.flatnonzero(sizes >= MIN_PART_SHARE * sizes.max())]
+    lowest = [part[np.argmin(heights[part])] for part in parts]
+    descent = dijkstra(graph, indices=lowest).mean(axis=1)
+    ranked = np.lexsort((lowest, descent))[:MAX_CANDIDATES]
+    return np.array([stem_base(points[parts[k]], vertical, height) for k in ranked])
 
 
 def base_point(

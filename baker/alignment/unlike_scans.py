@@ -6,8 +6,9 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.icp import trimmed_residual
+from baker.alignment.icp import nearest_pairs
 from baker.alignment.sample import EvenSample
+from baker.geometry.principal_axes import principal_spreads
 from baker.scans.scan import Finding
 
 SCANS_AROUND = 2  # number of scans before and after a scan that it is compared with
@@ -18,7 +19,7 @@ MAX_EXCESS = 0.085
 MAX_DISSIMILARITY = 0.2  # of the scans of a series of two
 MIN_SIZE = 1e-3  # of a scan, in sizes of the largest; of a neighbourhood, in sizes of the scan
 WEIGHT = 0.75  # of the difference in slenderness
-PART_RADIUS, MAX_PARTS = 0.16, 200  # of neighbourhoods for slenderness, in sizes of the plant
+PART_RADIUS = 0.16  # of neighbourhoods for slenderness, in sizes of the plant
 
 
 def unlike_scans(
@@ -26,8 +27,8 @@ def unlike_scans(
 ) -> list[Finding]:
     """A finding that names the scans that are unlike those around them, if there are any.
 
-    The dissimilarity of two scans is the `trimmed_residual` of their registration in sizes of the
-    plant, plus their weighted difference in slenderness.
+    The dissimilarity of two scans is the distance of their `nearest_pairs` in sizes of the plant,
+    plus their weighted difference in slenderness.
 
     transforms: (4, 4) from the coordinates of each scan to those of the first one.
     """
@@ -39,7 +40,7 @@ def unlike_scans(
     for i, j in combinations(range(count), 2):
         if j - i <= SCANS_AROUND:
             step = np.linalg.inv(transforms[i]) @ transforms[j]
-            distance = trimmed_residual(samples[i], samples[j], step)
+            distance, _, _ = nearest_pairs(samples[i], samples[j], step)
             dissimilarity[i, j] = distance / (np.sqrt(sizes[i]) * np.sqrt(sizes[j]))
             dissimilarity[i, j] += WEIGHT * abs(slenderness[i] - slenderness[j])
     dissimilarity += dissimilarity.T
@@ -64,13 +65,5 @@ def _slenderness(sample: EvenSample, size: float) -> float:
 
     It is large for grasses and small for leaflets, and hardly depends on growth and pose.
     """
-    from scipy.spatial.distance import cdist
-
-    points = sample.points - sample.points.mean(axis=0)
-    is_near = cdist(points[:MAX_PARTS], points) <= PART_RADIUS * size
-    weight = is_near / is_near.sum(axis=1, keepdims=True)
-    mean = weight @ points
-    squares = weight @ (points[:, :, None] * points[:, None]).reshape(-1, 9)
-    variance = np.linalg.eigvalsh(squares.reshape(-1, 3, 3) - mean[:, :, None] * mean[:, None])
-    _, width, length = np.sqrt(np.maximum(variance, 0.0)).T
+    _, width, length = principal_spreads(sample.points, PART_RADIUS * size).T
     return float(np.mean((length - width) / np.maximum(length, MIN_SIZE * size)))

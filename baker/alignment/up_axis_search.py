@@ -1,7 +1,7 @@
 """Find the up axis: a plant has a thin stem at its lowest point, and most of its surface above."""
 
 from collections.abc import Sequence
-from itertools import compress
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,6 @@ from baker.scans.scan import Finding
 # of 0.5 along another direction.
 NEEDED_LEADS = {"z": 0.0, "y": 0.2, "x": 0.5, "-z": 0.5, "-y": 0.5, "-x": 0.5}
 CLOSE = 0.1  # difference of costs below which another direction is named as a doubt
-TURNED_OVER = 0.35  # difference of costs above which a single scan is named as upside down
 STEM_SHARE = 0.15  # of the longest geodesic distance from the lowest point: the bare stem
 SAMPLE_SIZE = 800
 
@@ -23,51 +22,26 @@ SAMPLE_SIZE = 800
 def find_up(
     samples: Sequence[EvenSample], requested: str = "auto", ground_up: str = ""
 ) -> tuple[str, list[Finding]]:
-    """Find the direction of growth of a series.
+    """Find the direction of growth of a series, "x", "y", "z", "-x", "-y" or "-z".
 
-    It is the direction away from the ground, if one was found. Otherwise it is z, unless the mean
-    cost of the scans is much less along another direction.
-
-    Parameters
-    ----------
-    samples : sequence of EvenSample
-    requested : str
-        The direction that the user gave, or "auto".
-    ground_up : str
-        The direction away from the ground, "" if none was found.
-
-    Returns
-    -------
-    up : str
-        "x", "y", "z", "-x", "-y" or "-z".
-    findings : list of Finding
+    It is the one that the user requested, unless that is "auto"; else that away from the ground, if
+    one was found; else z, unless the mean cost of the scans is much less along another direction.
     """
     if requested != "auto":
         return requested, [Finding("up", f"{requested}, as asked")]
-    directions = list(NEEDED_LEADS)
-    costs = np.array([_costs(sample) for sample in samples])
-    total = costs.mean(axis=0)
     if ground_up:
-        best, reason = directions.index(ground_up), "away from the ground that the scans show"
-    else:
-        best = int(np.argmin(total + list(NEEDED_LEADS.values())))
-        reason = "as scans usually have it" if best == 0 else "along it the plants stand on stems"
-    up, option, doubts = directions[best], "", list[str]()
-    down = directions.index(up[1:] if up.startswith("-") else f"-{up}")
-    is_over = costs[:, best] - costs[:, down] > TURNED_OVER
-    if is_over.any() and 2 * is_over.sum() < len(samples):
-        names = ", ".join(sample.name for sample in compress(samples, is_over))
-        doubts = [f"{names} seems to be upside down: turn it over"]
-        total = costs[~is_over].mean(axis=0)
-    lead = np.delete(total, best).min() - total[best]
-    if not ground_up and lead < CLOSE:
-        other = directions[int(np.argmin(np.where(np.arange(len(total)) == best, np.inf, total)))]
-        option = f"--up {other}"
-        if lead < 0:
-            doubts = [f"by their shape they might rather grow along {other}"]
-        else:
-            doubts.append(f"by their shape they might as well grow along {other}")
-    return up, [Finding("up", f"{up}, {reason}", "; ".join(doubts), option)]
+        return ground_up, [Finding("up", f"{ground_up}, away from the ground that the scans show")]
+    directions = list(NEEDED_LEADS)
+    costs = np.mean([_costs(sample) for sample in samples], axis=0)
+    best = int(np.argmin(costs + list(NEEDED_LEADS.values())))
+    reason = "along it the plants stand on stems" if best else "as scans usually have it"
+    finding = Finding("up", f"{directions[best]}, {reason}")
+    other = min(set(range(len(costs))) - {best}, key=costs.__getitem__)
+    if costs[other] - costs[best] < CLOSE:
+        likely = "rather" if costs[other] < costs[best] else "as well"
+        doubt = f"by their shape they might {likely} grow along {directions[other]}"
+        finding = replace(finding, doubt=doubt, option=f"--up {directions[other]}")
+    return directions[best], [finding]
 
 
 def upright(vertical: Vertical) -> NDArray[np.float64]:

@@ -14,14 +14,13 @@ from baker.alignment.pose import Pose
 
 STEP = 5
 YAWS = np.arange(0, 360, STEP)
-TURN_WIDTHS = (20.0, 5.0)  # degrees, standard deviations of the turns of organs, coarse and fine
-WEIGHT_OF_NEXT_BUT_ONE = 0.5  # of the fit of a scan to the one before the previous
+WIDTH, FINE_WIDTH = 20.0, 5.0  # degrees, standard deviations of the turns of organs
 MIN_SHARE_BY_LABEL = 0.7  # fit of organs paired by label : fit of organs paired freely
 # The fit at a yaw has to exceed the fit at any other yaw so many degrees away by MIN_LEAD. It does
 # not at 64 % of wrong yaws and 24 % of right ones (20 real series without labels).
 MIN_OTHER_TURN, MIN_LEAD = 30.0, 0.2
-MAX_CORRECTION = 10.0  # degrees, from a yaw of `YAWS` to the refined one
-ITERATIONS, MIN_STEP = 20, 0.01
+# Degrees from a yaw of `YAWS` to refined ones, the smallest first.
+FINE_STEPS = np.array(sorted(np.arange(-10.0, 10.5, 0.5), key=abs))
 
 Curve = NDArray[np.float64]
 """(72,) fit at each of `YAWS`: share of the organs, by lever, that keep their direction"""
@@ -32,23 +31,22 @@ class YawFit(NamedTuple):
 
     by_label: bool  # whether organs were paired by their labels
     curves: list[Curve]  # from each scan to the previous one
-    places: list[int]  # indices in `YAWS` of the yaws that fit the whole series best
+
+    @property
+    def places(self) -> list[int]:
+        """The indices in `YAWS` of the yaws that fit best."""
+        return [int(curve.argmax()) for curve in self.curves]
 
     @property
     def gains(self) -> NDArray[np.float64]:
         """The fit of each scan at its yaw, minus that without a rotation."""
-        pairs = zip(self.curves, self.places, strict=True)
-        return np.array([curve[place] - curve[0] for curve, place in pairs])
+        return np.array([curve.max() - curve[0] for curve in self.curves])
 
 
 def fit_yaws(poses: Sequence[Pose], labelled: bool) -> YawFit:
     """Find the yaws of a series. labelled: whether its organs have labels."""
     by_label = labelled and labels_are_names(poses)
-    near, far = (
-        [direction_curve(*pair, by_label) for pair in zip(poses, poses[step:], strict=False)]
-        for step in (1, 2)
-    )
-    return YawFit(by_label, near, consistent_yaws(near, far))
+    return YawFit(by_label, [direction_curve(*pair, by_label) for pair in pairwise(poses)])
 
 
 def labels_are_names(poses: Sequence[Pose]) -> bool:
@@ -57,13 +55,11 @@ def labels_are_names(poses: Sequence[Pose]) -> bool:
     If so, organs paired by label fit nearly as well, at some yaw, as organs paired freely; if the
     labels are random, half as well.
     """
-    fits = np.zeros(2)
-    for earlier, later in pairwise(poses):
-        for k, by_label in enumerate((True, False)):
-            fits[k] += max(
-                _pair_fits(earlier, later, yaw, by_label)[0].sum() for yaw in YAWS[::2].tolist()
-            )
-    return bool(fits[0] > MIN_SHARE_BY_LABEL * fits[1])
+    labelled, free = (
+        sum(direction_curve(*pair, by_label).max() for pair in pairwise(poses))
+        for by_label in (True, False)
+    )
+    return bool(labelled > MIN_SHARE_BY_LABEL * free)
 
 
 def direction_curve(earlier: Pose, later: Pose, by_label: bool) -> Curve:
@@ -72,58 +68,16 @@ def direction_curve(earlier: Pose, later: Pose, by_label: bool) -> Curve:
     Organs are paired by label, or by an optimal assignment. They are weighted by their lever, the
     horizontal distance of their centre from the stem. For a bare stem it is 1 at all yaws.
     """
-    fits = np.array([_pair_fits(earlier, later, yaw, by_label)[0].sum() for yaw in YAWS.tolist()])
+    fits = np.array([_pair_fits(earlier, later, yaw, by_label).sum() for yaw in YAWS.tolist()])
     levers = np.hypot(*earlier.centers[:, :2].T)
-    if by_label:
-        levers = levers[np.isin(earlier.names, later.names)]
     return fits / levers.sum() if levers.any() else np.ones(len(YAWS))
 
 
 def exact_yaw(earlier: Pose, later: Pose, yaw: float, by_label: bool) -> float:
-    """Refine a yaw to the nearby maximum of the fit by mean shift (Fukunaga 1975)."""
-    low, high = yaw - MAX_CORRECTION, yaw + MAX_CORRECTION
-    for width in TURN_WIDTHS:
-        for _ in range(ITERATIONS):
-            fits, turns = _pair_fits(earlier, later, yaw, by_label, width)
-            step = float((fits * turns).sum() / fits.sum()) if fits.any() else 0.0
-            yaw = min(max(yaw - step, low), high)
-            if abs(step) < MIN_STEP:
-                break
-    return float(wrapped(np.array(yaw)))
-
-
-def consistent_yaws(next: Sequence[Curve], next_but_one: Sequence[Curve]) -> list[int]:
-    """The yaws from each scan to the previous one that fit the whole series best.
-
-    A scan should fit the previous scan and the one before that: a scan that is rotated by mistake
-    would fit neither its successor nor the next one. The best combination is found by dynamic
-    programming over the directions of two successive scans.
-
-    Parameters
-    ----------
-    next, next_but_one : sequences of Curve
-        From each scan to the previous one, and to the one before that.
-
-    Returns
-    -------
-    list of int
-        Indices in `YAWS`.
-    """
-    count = len(YAWS)
-    turn = np.subtract.outer(np.arange(count), np.arange(count)).T % count  # [previous, current]
-    score = np.full((count, count), -np.inf)  # of the best series that ends in two directions
-    score[0] = next[0]
-    steps = []
-    for to_previous, to_second in zip(next[1:], next_but_one, strict=True):
-        total = score[:, :, None] + to_previous[turn]
-        total = total + WEIGHT_OF_NEXT_BUT_ONE * to_second[turn][:, None]
-        steps.append(total.argmax(axis=0))
-        score = total.max(axis=0)
-    previous, current = np.unravel_index(score.argmax(), score.shape)
-    directions = [int(current), int(previous)]
-    for step in reversed(steps):
-        directions.append(int(step[directions[-1], directions[-2]]))
-    return [(b - a) % count for a, b in pairwise(reversed(directions))]
+    """Refine a yaw to the nearby one, in steps of half a degree, at which organs fit best."""
+    near = wrapped(yaw + FINE_STEPS)
+    fits = [_pair_fits(earlier, later, each, by_label, FINE_WIDTH).sum() for each in near]
+    return float(near[np.argmax(fits)])
 
 
 def second_yaw(curve: Curve, place: int) -> float | None:
@@ -140,9 +94,9 @@ def wrapped(degrees: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def _pair_fits(
-    earlier: Pose, later: Pose, yaw: float, by_label: bool, width: float = TURN_WIDTHS[0]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """The fit of each pair of organs at a yaw, its lever times a Gaussian of its turn; the turns.
+    earlier: Pose, later: Pose, yaw: float, by_label: bool, width: float = WIDTH
+) -> NDArray[np.float64]:
+    """The fit of each pair of organs at a yaw, its lever times a Gaussian of its turn.
 
     So organs that turned, are new or lost don't count. The fit of organs that are paired freely is
     also reduced by their difference in height.
@@ -160,4 +114,4 @@ def _pair_fits(
         height = max(earlier.height, float(np.finfo(np.float32).tiny))
         fits *= np.exp(-0.5 * (rise / height) ** 2)
         pairs = linear_sum_assignment(-fits)
-    return fits[pairs], turns[pairs]
+    return fits[pairs]

@@ -1,6 +1,6 @@
-"""The connected kNN graph of a point cloud, its spanning tree, geodesics and merge trees."""
+"""The connected kNN graph of a point cloud, its geodesics and merge trees."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 from itertools import permutations
 from typing import TYPE_CHECKING
 
@@ -14,38 +14,10 @@ if TYPE_CHECKING:
 
 Points = NDArray[np.floating]
 
+Gaps = Mapping[tuple[int, int], float]
+"""The labels of two adjacent segments, in either order -> distance between them in spacings."""
+
 MIN_LENGTH = float(np.finfo(np.float64).tiny)  # of an edge; sparse sums drop those of weight 0
-
-
-@dataclass(frozen=True)
-class RootedTree:
-    """A spanning tree of N points, its edges directed away from the root."""
-
-    order: NDArray[np.intp]  # (N,) breadth first order, parents before their children
-    parent: NDArray[np.intp]  # (N,) predecessor of each point, -1 for the root
-    bridges: int  # number of edges between components of the kNN graph
-    widest: float  # length of the longest of these edges
-
-
-def spanning_tree(
-    points: Points, root: int, k: int = 15, neighbors: Neighbors | None = None
-) -> RootedTree:
-    """Minimum spanning tree of the connected kNN graph, rooted (section 3.2.2).
-
-    Parameters
-    ----------
-    points : (N, 3) float
-    root : int
-        Index of a point.
-    k, neighbors : int, Neighbors, optional
-        As in `connected_knn_graph`.
-    """
-    from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
-
-    graph, bridges, widest = connected_knn_graph(points, k, neighbors)
-    order, parent = breadth_first_order(minimum_spanning_tree(graph), root, directed=False)
-    parent[root] = -1
-    return RootedTree(order.astype(np.intp), parent.astype(np.intp), bridges, widest)
 
 
 def knn_graph(neighbors: Neighbors) -> "csr_matrix":
@@ -61,9 +33,7 @@ def knn_graph(neighbors: Neighbors) -> "csr_matrix":
     return csr_matrix((lengths.ravel(), neighbors.indices.ravel(), begins), (count, count))
 
 
-def connected_knn_graph(
-    points: Points, k: int, neighbors: Neighbors | None = None
-) -> tuple["csr_matrix", int, float]:
+def connected_knn_graph(points: Points, k: int, neighbors: Neighbors | None = None) -> "csr_matrix":
     """The kNN graph, its components joined by their shortest gaps (Borůvka's algorithm).
 
     Parameters
@@ -76,24 +46,45 @@ def connected_knn_graph(
 
     Returns
     -------
-    graph : (N, N) csr_matrix
-        As `knn_graph` returns it.
-    bridges, widest : int, float
-        The number of edges added, and the length of the longest one.
+    (N, N) csr_matrix
+        As `knn_graph` returns it, with the edges added.
     """
     from scipy.sparse.csgraph import connected_components
 
     if neighbors is None or neighbors.indices.shape[1] < min(k, len(points) - 1):
         neighbors = nearest_neighbors(points, k)
     graph = knn_graph(neighbors.first(k))
-    count, component = connected_components(graph, directed=False)
-    bridges, widest = count - 1, 0.0
-    while count > 1:
-        added, lengths = _shortest_bridges(points, count, component)
-        widest = max(widest, float(lengths.max()))
-        graph = graph + added
-        count, component = connected_components(graph, directed=False)
-    return graph, bridges, widest
+    while (found := connected_components(graph, directed=False))[0] > 1:
+        graph = graph + _shortest_bridges(points, *found)
+    return graph
+
+
+def segment_gaps(
+    points: Points, labels: NDArray[np.integer], neighbors: Neighbors | None = None
+) -> Gaps:
+    """Find the segments that are adjacent in the connected kNN graph, and the gaps between them.
+
+    Parameters
+    ----------
+    points, labels, neighbors : (N, 3) float, (N,) int, Neighbors
+
+    Returns
+    -------
+    Gaps
+        The length of the shortest edge between two segments, in point spacings. All segments are
+        connected, directly or by others.
+    """
+    neighbors = neighbors or nearest_neighbors(points)
+    edges = connected_knn_graph(points, neighbors.indices.shape[1], neighbors).tocoo()
+    names, segment = np.unique(labels, return_inverse=True)
+    ends = np.sort(segment[np.stack([edges.row, edges.col])], axis=0)
+    is_between = ends[0] != ends[1]
+    pairs, number = np.unique((ends[0] * len(names) + ends[1])[is_between], return_inverse=True)
+    gaps = np.full(len(pairs), np.inf)
+    np.minimum.at(gaps, number, edges.data[is_between] / max(neighbors.spacing, MIN_LENGTH))
+    first, second = (names[side].tolist() for side in np.divmod(pairs, len(names)))
+    adjacent = dict(zip(zip(first, second, strict=True), gaps.tolist(), strict=True))
+    return adjacent | {(b, a): gap for (a, b), gap in adjacent.items()}
 
 
 def geodesic_distances(
@@ -204,8 +195,8 @@ def branches(
 
 def _shortest_bridges(
     points: Points, components: int, component: NDArray[np.integer]
-) -> tuple["csr_matrix", NDArray[np.floating]]:
-    """The shortest edge out of each component, and the lengths of these edges.
+) -> "csr_matrix":
+    """The shortest edge out of each component.
 
     The numbers of any two components differ in some bit, so the nearest point in another component
     is found with one pair of KD-trees for each bit.
@@ -228,4 +219,4 @@ def _shortest_bridges(
     edges = np.unique(np.sort(np.stack([best, foreign[best]]), axis=0), axis=1)
     lengths = np.linalg.norm(np.subtract(*points[edges].astype(np.float64)), axis=1)
     weights = np.maximum(lengths, MIN_LENGTH)
-    return coo_matrix((weights, tuple(edges)), (count, count)).tocsr(), lengths
+    return coo_matrix((weights, tuple(edges)), (count, count)).tocsr()

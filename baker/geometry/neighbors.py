@@ -1,10 +1,9 @@
 """The k nearest neighbours of every point of a cloud, and measures that are derived from them.
 
-One query for each scan is enough for point spacing, outliers, normals, areas, label cleaning,
-segment adjacency and graphs, since rigid motions don't change it.
+One query for each scan is enough for point spacing, outliers, normals, areas, label cleaning
+and graphs, since rigid motions don't change it.
 """
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,10 +16,6 @@ NEIGHBORS = 10  # enough to include the next segment for points at the border of
 NEIGHBORS_FOR_REACH = 8  # a point's reach is the distance to its 8th neighbour
 OUTLIER_RATIO = 10.0  # reach of an outlier : median reach
 BLOCK_SIZE = 4_000  # points that are processed together
-MAX_GAP = 3.0  # between adjacent segments, in point spacings
-
-Gaps = Mapping[tuple[int, int], float]
-"""The labels of two adjacent segments, in either order -> distance between them."""
 
 
 @dataclass(frozen=True)
@@ -102,60 +97,3 @@ def blocks(count: int) -> list[slice]:
 def point_spacing(points: NDArray[np.floating]) -> float:
     """Median distance from (N, 3) points to their nearest neighbours; 0 for N < 2."""
     return nearest_neighbors(points, 1).spacing if len(points) > 1 else 0.0
-
-
-def segment_adjacency(labels: NDArray[np.integer], neighbors: Neighbors) -> Gaps:
-    """Find pairs of adjacent segments, and the smallest distance between their points.
-
-    Parameters
-    ----------
-    labels, neighbors : (N,) int, Neighbors
-
-    Returns
-    -------
-    Gaps
-        In length units, of segments within three point spacings.
-    """
-    names, segment = np.unique(labels, return_inverse=True)
-    touching = segment[neighbors.indices] != segment[:, None]
-    touching &= neighbors.distances <= MAX_GAP * neighbors.spacing
-    i, column = np.nonzero(touching)
-    ends = np.sort(segment[np.stack([i, neighbors.indices[i, column]])], axis=0)
-    pairs, number = np.unique(ends[0] * len(names) + ends[1], return_inverse=True)
-    gaps = np.full(len(pairs), np.inf)
-    np.minimum.at(gaps, number, neighbors.distances[i, column])
-    first, second = (names[side].tolist() for side in np.divmod(pairs, len(names)))
-    adjacent = dict(zip(zip(first, second, strict=True), gaps.tolist(), strict=True))
-    return adjacent | {(b, a): gap for (a, b), gap in adjacent.items()}
-
-
-def agreed_gaps(
-    labels: Sequence[NDArray[np.integer]], adjacency: Sequence[Gaps], spacings: Sequence[float]
-) -> Gaps:
-    """Mean gaps between organs and their possible parents, over all scans with both.
-
-    In a dense crown, leaves touch branches that they don't grow from, and may be nearer to them in
-    a single scan than to their parent. But an organ touches its parent in every scan.
-
-    Parameters
-    ----------
-    labels : sequence of (N,) int
-        The organ of each point of each scan, with consistent labels.
-    adjacency, spacings : sequences of Gaps and float
-        The `segment_adjacency` and point spacing of each scan.
-
-    Returns
-    -------
-    Gaps
-        Of (organ, possible parent), in point spacings. Where two organs are not adjacent in a
-        scan, their gap counts as `MAX_GAP`. A parent is never younger than the organ.
-    """
-    present = [set(np.unique(names).tolist()) for names in labels]
-    first = {label: scan for scan in reversed(range(len(present))) for label in present[scan]}
-    pairs = sorted({pair for gaps in adjacency for pair in gaps})
-    mean = {}
-    for pair in (pair for pair in pairs if first[pair[1]] <= first[pair[0]]):
-        scans = (k for k, organs in enumerate(present) if organs.issuperset(pair))
-        gaps = [adjacency[k].get(pair, MAX_GAP * spacings[k]) / spacings[k] for k in scans]
-        mean[pair] = float(np.mean(gaps))
-    return mean

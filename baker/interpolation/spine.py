@@ -38,7 +38,7 @@ def path_lengths(
     points: Points, seeds: NDArray[np.intp], offsets: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """(n,) geodesic distances from seeds with offsets, minus the smallest offset."""
-    graph, _, _ = connected_knn_graph(points, NEIGHBORS)
+    graph = connected_knn_graph(points, NEIGHBORS)
     return geodesic_distances(graph, seeds, offsets - offsets.min())
 
 

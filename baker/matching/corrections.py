@@ -235,7 +235,7 @@ def _beyond(
     from scipy.sparse.csgraph import connected_components
 
     cloud, base = aligned.clouds[scan], aligned.bases[scan]
-    graph, _, _ = connected_knn_graph(cloud, NEIGHBORS, aligned.neighbors[scan])
+    graph = connected_knn_graph(cloud, NEIGHBORS, aligned.neighbors[scan])
     distance = geodesic_distances(graph, np.array([base]))
     beyond = np.flatnonzero(organ & (distance >= distance[point]))
     _, component = connected_components(graph[beyond][:, beyond], directed=False)
@@ -260,7 +260,7 @@ def _minimum_cut(
     points = np.flatnonzero(organ)
     others = np.random.default_rng(0).permutation(np.setdiff1d(points, places))
     sample = cloud[[*places, *others[:MAX_POINTS_CUT]]]
-    graph, _, _ = connected_knn_graph(sample, NEIGHBORS)
+    graph = connected_knn_graph(sample, NEIGHBORS)
     distance = np.stack([geodesic_distances(graph, np.array([place])) for place in (0, 1)], axis=1)
     count, is_certain = len(sample), distance <= SEED_SHARE * distance[1, 0]
     links, ends = csr_array(graph + graph.T > 0), csr_array(is_certain * count)

@@ -1,33 +1,32 @@
 """Build hierarchies from labelled segments by nearest neighbour searches (section 3.2.1).
 
-The paper leaves some choices open. Here, segments are adjacent within three median point spacings,
-the smallest gap is bridged first, and a segment that is adjacent to no other is joined to the
-nearest one. If the root segment is more than ten spacings away from all others, none of the labels
-is the stem, and all segments become children of a virtual, empty root.
+The paper leaves some choices open. Here, segments are adjacent if the connected kNN graph has an
+edge between them, and the smallest gap is bridged first. If the root segment is more than ten point
+spacings away from all others, none of the labels is the stem, and all segments become children of a
+virtual, empty root.
 """
 
-from collections.abc import Sequence
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from heapq import heappop, heappush
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import (
-    Gaps,
-    Neighbors,
-    agreed_gaps,
-    nearest_neighbors,
-    segment_adjacency,
-)
+from baker.geometry.graph import Gaps, segment_gaps
+from baker.geometry.neighbors import Neighbors
 from baker.geometry.parallel import MapLike
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
 Points = NDArray[np.floating]
 Labels = NDArray[np.integer]
-Indices = NDArray[np.intp]
+Ranks = Mapping[tuple[int, int], tuple[bool, float]]
+"""(organ, possible parent) -> whether the parent is younger, and their mean gap"""
 
 MAX_ROOT_GAP = 10.0  # in point spacings, from the root segment to the nearest other one
+MAX_GAP = 3.0  # between segments that touch, in point spacings
 COARSE_POINTS = 400  # of each organ, from which a coarse hierarchy is built
 
 
@@ -63,14 +62,14 @@ def labelled_hierarchies(
     """
     if virtual_root:
         return [under_virtual_root(names) for names in labels]
-    adjacency = list(map(segment_adjacency, labels, neighbors))
-    mean_gaps = None
-    if consistent and agreeing:
-        mean_gaps = agreed_gaps(labels, adjacency, [near.spacing for near in neighbors])
-    at_base = [int(names[base]) for names, base in zip(labels, bases, strict=True)]
-    roots = _majority_roots(labels, at_base) if consistent else at_base
-    build = partial(hierarchy_from_labels, mean_gaps=mean_gaps)
-    return list(map(build, clouds, labels, roots, neighbors, adjacency))
+    gaps = list(map(segment_gaps, clouds, labels, neighbors))
+    ranks = parent_ranks(labels, gaps) if consistent and agreeing else None
+    roots = [int(names[base]) for names, base in zip(labels, bases, strict=True)]
+    if consistent:  # in a late scan, a drooping leaf may hang lower than the base of the stem
+        usual = Counter(roots).most_common(1)[0][0]
+        roots = [usual if usual in names else own for names, own in zip(labels, roots, strict=True)]
+    build = partial(hierarchy_from_labels, ranks=ranks)
+    return list(map(build, clouds, labels, roots, gaps))
 
 
 def coarse_hierarchies(
@@ -93,95 +92,72 @@ def coarse_hierarchies(
     """
     hierarchies = []
     for cloud, names, base in zip(clouds, labels, bases, strict=True):
-        distinct, members = split_by_label(names)
+        _, members = split_by_label(names)
         sample = np.concatenate([each[:: -(-len(each) // COARSE_POINTS)] for each in members])
         coarse = hierarchy_from_labels(cloud[sample], names[sample], int(names[base]))
-        empty = [np.empty(0, np.intp)] * (len(coarse.segments) - len(distinct))  # a virtual root
-        hierarchies.append(replace(coarse, segments=(*members, *empty)))
+        with_virtual_root = (*members, np.empty(0, np.intp))
+        hierarchies.append(replace(coarse, segments=with_virtual_root[: len(coarse.segments)]))
     return hierarchies
 
 
-def _majority_roots(labels: Sequence[Labels], at_base: Sequence[int]) -> list[int]:
-    """The label at the base of most scans; in a scan without it, the label at the scan's base.
+def parent_ranks(labels: Sequence[Labels], gaps: Sequence[Gaps]) -> Ranks:
+    """Rank the possible parents of organs by their mean gaps, over all scans with both.
 
-    In a late scan, a drooping leaf may hang lower than the base of the stem.
+    In a dense crown, leaves touch branches that they don't grow from, and may be nearer to them in
+    a single scan than to their parent. But an organ touches its parent in every scan, and is not
+    older than it. Where two organs are not adjacent, their gap counts as `MAX_GAP`.
     """
-    distinct, votes = np.unique(at_base, return_counts=True)
-    majority = int(distinct[np.argmax(votes)])
-    return [
-        majority if (names == majority).any() else lowest
-        for names, lowest in zip(labels, at_base, strict=True)
-    ]
+    present = [set(np.unique(names).tolist()) for names in labels]
+    first = {label: scan for scan in reversed(range(len(present))) for label in present[scan]}
+    ranks = {}
+    for pair in {pair for of_scan in gaps for pair in of_scan}:
+        scans = zip(gaps, present, strict=True)
+        of_pair = [g.get(pair, MAX_GAP) for g, organs in scans if organs.issuperset(pair)]
+        ranks[pair] = first[pair[1]] > first[pair[0]], float(np.mean(of_pair))
+    return ranks
 
 
 def hierarchy_from_labels(
     points: NDArray[np.floating],
     labels: NDArray[np.integer],
     root_label: int,
-    neighbors: Neighbors | None = None,
     gaps: Gaps | None = None,
-    mean_gaps: Gaps | None = None,
+    ranks: Ranks | None = None,
 ) -> Hierarchy:
     """Build the hierarchy of one scan from the labels of its points, by Prim's algorithm.
 
-    Parameters
-    ----------
-    points, labels : (N, 3) float, (N,) int
-    root_label : int
-    neighbors : Neighbors, optional
-    gaps : Gaps, optional
-        As `segment_adjacency` returns them.
-    mean_gaps : Gaps, optional
-        Those of all scans, as `agreed_gaps` returns them, to use instead of `gaps`.
+    gaps: as `segment_gaps` returns them. ranks: those of all scans, as `parent_ranks` returns them,
+    to use instead of the gaps.
     """
     names, segments = split_by_label(labels)
-    neighbors = neighbors or nearest_neighbors(points)
-    gaps = segment_adjacency(labels, neighbors) if gaps is None else gaps
-    root = names.index(root_label)
-    is_reached = np.arange(len(segments)) == root
-    if len(segments) > 2 and not any(root_label in pair for pair in gaps):
-        gap, *_ = _smallest_gap(points, segments, is_reached)
-        if gap > MAX_ROOT_GAP * neighbors.spacing:
-            return under_virtual_root(labels)
+    gaps = segment_gaps(points, labels) if gaps is None else gaps
+    root_gaps = [gap for (label, _), gap in gaps.items() if label == root_label]
+    if len(segments) > 2 and min(root_gaps) > MAX_ROOT_GAP:
+        return under_virtual_root(labels)
+    ranks = ranks or {pair: (False, gap) for pair, gap in gaps.items()}
     number = {name: index for index, name in enumerate(names)}
-    edges = sorted(
-        (gap, number[a], number[b])
-        for (a, b), gap in (mean_gaps or gaps).items()
-        if a in number and b in number
-    )
-    lower, upper = np.array([edge[1:] for edge in edges], np.intp).reshape(-1, 2).T
-    parents, notes = [NO_PARENT] * len(segments), []
-    while not is_reached.all():
-        touching = np.flatnonzero(is_reached[upper] & ~is_reached[lower])
-        if len(touching):
-            _, child, parent = edges[touching[0]]
-        else:
-            gap, child, parent = _smallest_gap(points, segments, is_reached)
-            notes.append(
-                f"segment {names[child]} touches no other one; it was hung on segment "
-                f"{names[parent]} across a gap of {gap:.3g}"
-            )
+    edges = defaultdict(list)
+    for (child, parent), rank in ranks.items():
+        if child in number and parent in number:
+            edges[parent].append((rank, child, parent))
+    parents, notes = {root_label: root_label}, []
+    frontier = sorted(edges[root_label])
+    while frontier:
+        _, child, parent = heappop(frontier)
+        if child in parents:
+            continue
         parents[child] = parent
-        is_reached[child] = True
-    return Hierarchy(tuple(segments), tuple(names), tuple(parents), root, tuple(notes))
-
-
-def _smallest_gap(
-    points: NDArray[np.floating], segments: Sequence[Indices], is_reached: NDArray[np.bool_]
-) -> tuple[float, int, int]:
-    """The smallest gap between unreached and reached segments, and those two segments."""
-    from scipy.spatial import KDTree
-
-    def gather(chosen: NDArray[np.bool_]) -> tuple[Indices, Indices]:
-        ids = np.flatnonzero(chosen).tolist()
-        owner = np.repeat(ids, [len(segments[i]) for i in ids])
-        return np.concatenate([segments[i] for i in ids]), owner
-
-    reached, reached_owner = gather(is_reached)
-    unreached, unreached_owner = gather(~is_reached)
-    gaps, neighbors = KDTree(points[reached]).query(points[unreached])
-    best = int(np.argmin(gaps))
-    return float(gaps[best]), int(unreached_owner[best]), int(reached_owner[neighbors[best]])
+        for edge in edges[child]:
+            heappush(frontier, edge)
+        gap = gaps.get((child, parent), 0.0)
+        if gap > MAX_GAP:
+            notes.append(
+                f"segment {child} touches no other one; it was hung on segment {parent} "
+                f"across a gap of {gap:.3g} point spacings"
+            )
+    root, above = number[root_label], [number[parents[name]] for name in names]
+    above[root] = NO_PARENT
+    return Hierarchy(tuple(segments), tuple(names), tuple(above), root, tuple(notes))
 
 
 def under_virtual_root(labels: NDArray[np.integer]) -> Hierarchy:

@@ -7,7 +7,7 @@ longer than a threshold, the tree bifurcates, and each of these branches is a ne
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.graph import RootedTree, chain_ends, spanning_tree
+from baker.geometry.graph import chain_ends, connected_knn_graph
 from baker.geometry.neighbors import Neighbors
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
@@ -39,42 +39,34 @@ def hierarchy_from_spanning_tree(
     ----------
     Section 3.2.2 of the paper.
     """
-    tree = spanning_tree(points, root, k, neighbors)
-    longest = longest_paths(tree)
+    from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
+
+    graph = connected_knn_graph(points, k, neighbors)
+    order, parent = breadth_first_order(minimum_spanning_tree(graph), root, directed=False)
+    longest = longest_paths(order, parent)
     c = round(DEFAULT_THRESHOLD * int(longest[root])) if threshold is None else threshold
-    return _hierarchy(tree, _segment_starts(tree, longest, c))
+    # A segment starts at the root, and at each of several long branches of a point.
+    long = order[1:][longest[order[1:]] > c]
+    branches = np.bincount(parent[long], minlength=len(points))
+    starts = np.append(root, long[branches[parent[long]] > 1])
+    above = parent.astype(np.intp)
+    above[starts] = starts
+    number = np.empty(len(points), np.intp)
+    number[starts] = np.arange(len(starts))
+    segment = number[chain_ends(above)]
+    parents = [NO_PARENT, *segment[parent[starts[1:]]].tolist()]
+    gaps = graph.nnz - len(points) * min(k, len(points) - 1)
+    notes = (f"{gaps} gaps in the cloud bridged where they are narrowest",) if gaps else ()
+    labels = (None,) * len(starts)
+    return Hierarchy(tuple(split_by_label(segment)[1]), labels, tuple(parents), 0, notes)
 
 
-def longest_paths(tree: RootedTree) -> NDArray[np.intp]:
-    """(N,) the paper's m_v: number of edges of the longest path from each point to a leaf."""
-    longest, parent = [0] * len(tree.order), tree.parent.tolist()
-    for point in tree.order[:0:-1].tolist():
-        longest[parent[point]] = max(longest[parent[point]], longest[point] + 1)
+def longest_paths(order: NDArray[np.integer], parent: NDArray[np.integer]) -> NDArray[np.intp]:
+    """(N,) the paper's m_v: number of edges of the longest path from each point to a leaf.
+
+    order: (N,) points of a tree, parents before their children. parent: (N,) of each point.
+    """
+    longest, parents = [0] * len(order), parent.tolist()
+    for point in order[:0:-1].tolist():
+        longest[parents[point]] = max(longest[parents[point]], longest[point] + 1)
     return np.array(longest)
-
-
-def _segment_starts(
-    tree: RootedTree, longest: NDArray[np.intp], threshold: int
-) -> NDArray[np.bool_]:
-    """(N,) whether a segment starts at a point: at the root, and at long branches of a fork."""
-    child = tree.order[1:]
-    long = child[longest[child] > threshold]
-    branches = np.bincount(tree.parent[long], minlength=len(tree.order))
-    starts = np.zeros(len(tree.order), bool)
-    starts[long[branches[tree.parent[long]] > 1]] = True
-    starts[tree.order[0]] = True
-    return starts
-
-
-def _hierarchy(tree: RootedTree, starts: NDArray[np.bool_]) -> Hierarchy:
-    """Number the segments from the root; a point is in the segment of its nearest start above."""
-    heads = tree.order[starts[tree.order]]
-    number = np.empty(len(starts), np.intp)
-    number[heads] = np.arange(len(heads))
-    segment = number[chain_ends(np.where(starts, np.arange(len(starts)), tree.parent))]
-    _, members = split_by_label(segment)
-    parents = [NO_PARENT, *segment[tree.parent[heads[1:]]].tolist()]
-    notes: tuple[str, ...] = ()
-    if tree.bridges:
-        notes = (f"{tree.bridges} gaps in the cloud bridged, the widest {tree.widest:.3g}",)
-    return Hierarchy(tuple(members), (None,) * len(heads), tuple(parents), 0, notes)

@@ -16,16 +16,9 @@ def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.
 
     A speck is a small group of points among points of other organs; if it is far from them, its
     label stays. Negative labels are missing ones, and are replaced where most neighbours have one.
+    Every label remains at some points.
 
-    Parameters
-    ----------
-    labels : (N,) int64
-    neighbors : Neighbors
-
-    Returns
-    -------
-    (N,) int64
-        `labels` itself if nothing is changed. Every label remains at some points.
+    labels: (N,), returned itself if nothing is changed.
     """
     names, organ = np.unique(labels, return_inverse=True)
     neighbor_organ = organ[neighbors.indices]

@@ -45,7 +45,7 @@ def segment_leaflets(points: NDArray[np.floating], attachment: int) -> NDArray[n
             return leaflet[KDTree(points[sample]).query(points)[1]]
     if count > MAX_POINTS_SEARCHED or count < 2 * MIN_POINTS or not np.ptp(points, axis=0).any():
         return np.full(count, -1)
-    graph, _, _ = connected_knn_graph(points, NEIGHBORS)
+    graph = connected_knn_graph(points, NEIGHBORS)
     distance = geodesic_distances(graph, np.array([attachment]))
     min_length = max(
         MIN_LENGTH_IN_EDGES * float(np.median(graph.data)), MIN_LENGTH * float(distance.max())

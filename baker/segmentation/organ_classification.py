@@ -9,6 +9,7 @@ together, are found by dynamic programming from the tips down.
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.principal_axes import principal_spreads
 from baker.segmentation.reeb_graph import PlantSample, ReebTree
 
 BALL_RADIUS = 1.0  # of the neighbourhood, in stem diameters
@@ -16,7 +17,7 @@ MIN_ROD_FLATNESS = 0.55  # ratio of the least two axes of a neighbourhood, above
 FLATNESS_RANGE = 0.3  # distance from that ratio at which the score is 1
 WIDTH_WEIGHT = 0.6  # of the logarithm of a section's width in stem diameters
 MIN_BLADE_AREA = 0.7  # in squared stem diameters
-MIN_SLENDERNESS = 2.0  # length : width, above which a branch of a blade is a separate blade
+MIN_SLENDERNESS = 1.25  # squared length : area, above which a branch of a blade is a separate blade
 MIN_BARE_LENGTH = 2.0  # of a branch without blades that is an organ, in stem diameters
 STEM = 0
 
@@ -31,46 +32,41 @@ def blade_scores(sample: PlantSample, tree: ReebTree) -> NDArray[np.float64]:
 def organs_of_nodes(
     sample: PlantSample, tree: ReebTree, scores: NDArray[np.float64]
 ) -> NDArray[np.intp]:
-    """Find the organ of each node of a Reeb tree.
+    """(m,) organ of each node: 0 for stem and petioles, from 1 on for blades and bare branches.
 
-    Parameters
-    ----------
-    sample : PlantSample
-        Of n points.
-    tree : ReebTree
-        With m nodes.
-    scores : (n,) float64
-        As `blade_scores` returns them.
-
-    Returns
-    -------
-    (m,) intp
-        0 for stem and petioles; blades and bare branches are numbered from 1 on.
+    scores: (n,) as `blade_scores` returns them.
     """
-    node_score = np.bincount(tree.node, scores, len(tree.parent)).astype(np.float64)
-    min_points = MIN_BLADE_AREA * (sample.diameter / sample.spacing) ** 2
-    starts = _blade_starts(tree, tree.subtree_sums(node_score) - min_points)
-    return _add_bare_branches(sample, tree, _label_blades(sample, tree, starts, min_points))
+    score, area = (
+        tree.subtree_sums(sample.spacing**2 * np.bincount(tree.node, weights))
+        for weights in (scores, None)
+    )
+    min_area = MIN_BLADE_AREA * sample.diameter**2
+    starts = _blade_starts(tree, score - min_area)
+    has_blades = tree.subtree_sums(starts) > 0
+    is_slender = (area > min_area) & (tree.reach**2 >= MIN_SLENDERNESS * area)
+    is_long = tree.reach >= MIN_BARE_LENGTH * sample.diameter
+    organ, in_blade = np.zeros(len(starts), np.intp), np.zeros(len(starts), bool)
+    for node, children in enumerate(tree.children):
+        if starts[node]:
+            organ[node] = organ.max() + 1
+        in_blade[node] |= starts[node] and has_blades[node]
+        organ[children], in_blade[children] = organ[node], in_blade[node]
+        # Where a blade or a bare branch forks, its main branch goes on and the others are organs.
+        if in_blade[node]:
+            starts[children] = False
+            branches = sorted((c for c in children if is_slender[c]), key=lambda c: -area[c])[1:]
+        else:
+            branches = [c for c in children if is_long[c] and not has_blades[c]]
+            if not has_blades[node]:
+                branches = sorted(branches, key=lambda c: -tree.reach[c])[1:]
+        starts[branches] = True
+    return organ
 
 
 def flatness(sample: PlantSample) -> NDArray[np.float64]:
     """(n,) ratio of the least two axes of each ball of points: 1 in a rod, 0 on a flat sheet."""
-    from scipy.sparse import csr_matrix, identity
-    from scipy.spatial import cKDTree
-
-    points, count = sample.points, len(sample.points)
-    pairs = cKDTree(points).query_pairs(BALL_RADIUS * sample.diameter, output_type="ndarray")
-    half = csr_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), (count, count))
-    within = half + half.T + identity(count, format="csr")
-    number = within @ np.ones(count)
-    mean = (within @ points) / number[:, None]
-    covariance = np.empty((count, 3, 3))
-    for a in range(3):
-        for b in range(a + 1):
-            product = within @ (points[:, a] * points[:, b]) / number
-            covariance[:, a, b] = covariance[:, b, a] = product - mean[:, a] * mean[:, b]
-    axes = np.sqrt(np.maximum(np.linalg.eigvalsh(covariance), 0.0))
-    return np.asarray(axes[:, 0] / np.maximum(axes[:, 1], np.finfo(float).tiny))
+    spreads = principal_spreads(sample.points, BALL_RADIUS * sample.diameter)
+    return spreads[:, 0] / np.maximum(spreads[:, 1], np.finfo(float).tiny)
 
 
 def _blade_starts(tree: ReebTree, blade_score: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -84,69 +80,3 @@ def _blade_starts(tree: ReebTree, blade_score: NDArray[np.float64]) -> NDArray[n
         starts[node] = blade_score[node] > max(of_children, 0.0)
         best[node] = blade_score[node] if starts[node] else of_children
     return starts
-
-
-def _label_blades(
-    sample: PlantSample, tree: ReebTree, starts: NDArray[np.bool_], min_points: float
-) -> NDArray[np.intp]:
-    """(m,) number of each node's blade, from 1 on, or 0.
-
-    Where a blade forks into slender branches, each is a blade; the largest one includes the part
-    below the fork.
-    """
-    organ, count = np.zeros(len(tree.parent), np.intp), 0
-    size = tree.subtree_sums(tree.count)
-    for node, parent in enumerate(tree.parent):
-        if parent >= 0 and organ[parent] and not organ[node]:
-            organ[node] = organ[parent]
-        elif starts[node] and not organ[node]:
-            count += 1
-            organ[node] = count
-        if organ[node] and len(tree.children[node]) > 1:
-            slender = [
-                child
-                for child in sorted(tree.children[node], key=lambda child: -size[child])
-                if size[child] > min_points and _is_slender(sample, tree, size, child)
-            ]
-            for child in slender[1:]:
-                count += 1
-                organ[child] = count
-    return organ
-
-
-def _is_slender(
-    sample: PlantSample, tree: ReebTree, size: NDArray[np.float64], branch: int
-) -> bool:
-    """Whether a branch is long compared to its width, over its first stem diameter of length."""
-    node, length, widths = branch, sample.thickness, [tree.width[branch]]
-    while length < sample.diameter and tree.children[node]:
-        node = max(tree.children[node], key=lambda child: size[child])
-        widths.append(tree.width[node])
-        length += sample.thickness
-    neck = max(float(np.median(widths)), 0.5 * sample.diameter)
-    return bool(tree.reach[branch] >= MIN_SLENDERNESS * neck)
-
-
-def _add_bare_branches(
-    sample: PlantSample, tree: ReebTree, organ: NDArray[np.intp]
-) -> NDArray[np.intp]:
-    """(m,) the organs, with long branches of the stem without blades (rolled leaves, twigs) added.
-
-    Where a bare branch forks, it continues in its longest branch.
-    """
-    organ, count = organ.copy(), int(organ.max())
-    has_blades = tree.subtree_sums((organ > STEM).astype(np.float64)) > 0
-    is_long = tree.reach >= MIN_BARE_LENGTH * sample.diameter
-    for node, parent in enumerate(tree.parent):
-        if parent < 0 or has_blades[node]:
-            continue
-        starts = bool(is_long[node])
-        if not has_blades[parent]:
-            organ[node] = organ[parent]
-            siblings = [child for child in tree.children[parent] if is_long[child]]
-            main = max(siblings, key=lambda child: tree.reach[child], default=node)
-            starts = starts and node != main
-        if starts:
-            count += 1
-            organ[node] = count
-    return organ

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import chain_ends, connected_knn_graph
-from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors, point_spacing
+from baker.geometry.neighbors import NEIGHBORS, nearest_neighbors
 from baker.geometry.sampling import voxel_downsample, voxel_size_for
 from baker.segmentation.hierarchy import split_by_label
 
@@ -26,7 +26,7 @@ COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # most points of the samples to measure 
 VOXEL_SIZE = 0.2  # in stem diameters
 LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.35, 2.5  # in stem diameters; at least, in point spacings
 STEM_LENGTH = 6.0  # of the part of the stem that is measured, in its diameters
-MIN_POINTS_OF_SECTION = 6
+MIN_POINTS, MIN_POINTS_OF_SECTION = 30, 6
 MAX_ITERATIONS = 15
 MAX_HOLE = 2.0  # length of a loop that is a hole in the scan, in stem diameters
 
@@ -56,11 +56,10 @@ class ReebTree:
     node: NDArray[np.intp]  # (n,) the node of each point of the sample
     parent: list[int]  # of each node; -1 for the root, node 0
     children: list[list[int]]
-    count: NDArray[np.float64]  # (m,) number of points of each node
     width: NDArray[np.float64]  # (m,) width of each node's section
     reach: NDArray[np.float64]  # (m,) distance from the start of each node to its farthest tip
 
-    def subtree_sums(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
+    def subtree_sums(self, values: NDArray[np.number | np.bool_]) -> NDArray[np.float64]:
         """(m,) sums of (m,) values over the subtree of each node."""
         sums = np.array(values, np.float64)
         for node in range(len(self.parent) - 1, 0, -1):
@@ -77,13 +76,23 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
     is_inside = (previous >= 0) & (level[previous] == level)
     entry = chain_ends(np.where(is_inside, previous, np.arange(len(level))))
     for members in _level_components(sample.graph, level):
-        member_level = int(level[members[0]])
-        before_entry = previous[entry[members]]
+        here, before_entry = int(level[members[0]]), previous[entry[members]]
         source = np.where(before_entry < 0, -1, node[before_entry])
-        for origin, points in _cut_loops(members, source, parent, depth, member_level, sample):
-            node[points] = len(parent)
-            parent.append(origin)
-            depth.append(member_level)
+        # Split the component by the nodes that it is reached from, unless they enclose a hole.
+        origins, counts = np.unique(source, return_counts=True)
+        groups: dict[int, list[int]] = {}
+        for origin in origins[np.argsort(-counts, kind="stable")].tolist():
+            for main in groups:
+                loop = here - depth[_common_ancestor(parent, origin, main)]
+                if loop * sample.thickness < MAX_HOLE * sample.diameter:
+                    break
+            else:
+                main = origin
+            groups.setdefault(main, []).append(origin)
+        for main, group in groups.items():
+            node[members[np.isin(source, group)]] = len(parent)
+            parent.append(main)
+            depth.append(here)
     return _measure_tree(sample, node, parent)
 
 
@@ -101,33 +110,6 @@ def _level_components(graph: "csr_matrix", level: NDArray[np.intp]) -> list[NDAr
     return np.split(order, np.flatnonzero(np.diff(component[order])) + 1)
 
 
-def _cut_loops(
-    members: NDArray[np.intp],
-    source: NDArray[np.intp],
-    parent: list[int],
-    depth: list[int],
-    level: int,
-    sample: PlantSample,
-) -> list[tuple[int, NDArray[np.intp]]]:
-    """Split a component by the nodes that its points are reached from, unless they enclose a hole.
-
-    Returns pairs of a parent node and the indices of the points.
-    """
-    origins, counts = np.unique(source, return_counts=True)
-    if len(origins) == 1:
-        return [(int(origins[0]), members)]
-    groups: dict[int, list[int]] = {}
-    for origin in origins[np.argsort(-counts, kind="stable")].tolist():
-        for larger, group in groups.items():
-            loop = level - depth[_common_ancestor(parent, origin, larger)]
-            if loop * sample.thickness < MAX_HOLE * sample.diameter:
-                group.append(origin)
-                break
-        else:
-            groups[origin] = [origin]
-    return [(origin, members[np.isin(source, group)]) for origin, group in groups.items()]
-
-
 def _common_ancestor(parent: list[int], i: int, j: int) -> int:
     """The lowest common ancestor of two nodes; parents have smaller numbers."""
     while i != j:
@@ -143,38 +125,37 @@ def _measure_tree(sample: PlantSample, node: NDArray[np.intp], parent: list[int]
         reach[parent[child]] = max(reach[parent[child]], reach[child] + sample.thickness)
     _, members = split_by_label(node)
     width = np.array([section_width(sample.points[m], sample.distance[m]) for m in members])
-    count = np.array([len(m) for m in members], np.float64)
-    return ReebTree(node, parent, children, count, width, reach)
+    return ReebTree(node, parent, children, width, reach)
 
 
-def sample_plant(points: NDArray[np.floating], base: int, k: int) -> PlantSample:
+def sample_plant(points: NDArray[np.floating], base: int) -> PlantSample:
     """Down-sample (N, 3) points to voxels of a fifth of the stem diameter, with a kNN graph.
 
     base: index of the point at the plant base.
     """
     cloud = np.asarray(points, np.float64)
-    coarse = _sample_voxels(cloud, voxel_size_for(cloud, COARSE_SIZE), base, k)
+    coarse = _sample_voxels(cloud, voxel_size_for(cloud, COARSE_SIZE), base)
     if coarse.diameter == 0.0:
         return coarse
     size = max(VOXEL_SIZE * coarse.diameter, voxel_size_for(cloud, FINE_SIZE))
-    return _sample_voxels(cloud, size, base, k)
+    return _sample_voxels(cloud, size, base)
 
 
-def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int, k: int) -> PlantSample:
+def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int) -> PlantSample:
     from scipy.sparse.csgraph import dijkstra
     from scipy.spatial import KDTree
 
     points = cloud[voxel_downsample(cloud, size)]
-    points = points[nearest_neighbors(points, NEIGHBORS_FOR_REACH).inliers]
-    tree = KDTree(points)
-    graph, _, _ = connected_knn_graph(points, k)
-    root = int(tree.query(cloud[base])[1])
-    distance, before = dijkstra(graph, directed=False, indices=root, return_predecessors=True)
-    predecessor = np.where(before < 0, -1, before).astype(np.intp)
-    spacing = point_spacing(points)
-    diameter = _stem_diameter(points, graph, distance, spacing)
-    nearest = tree.query(cloud)[1]
-    return PlantSample(points, nearest, graph, distance, predecessor, spacing, diameter)
+    points = points[nearest_neighbors(points).inliers]
+    neighbors = nearest_neighbors(points)
+    graph = connected_knn_graph(points, NEIGHBORS, neighbors)
+    nearest = KDTree(points).query(cloud)[1]
+    distance, before = dijkstra(
+        graph, directed=False, indices=nearest[base], return_predecessors=True
+    )
+    predecessor = np.maximum(before, -1).astype(np.intp)
+    diameter = _stem_diameter(points, graph, distance, neighbors.spacing)
+    return PlantSample(points, nearest, graph, distance, predecessor, neighbors.spacing, diameter)
 
 
 def _stem_diameter(
@@ -182,9 +163,9 @@ def _stem_diameter(
 ) -> float:
     """Median width of the sections up to six diameters above the base, by fixed-point iteration.
 
-    It is 0 if there are no sections.
+    It is 0 if there are too few points.
     """
-    if spacing == 0.0:
+    if spacing == 0.0 or len(points) < MIN_POINTS:
         return 0.0
     diameter = 8.0 * spacing
     for _ in range(MAX_ITERATIONS):

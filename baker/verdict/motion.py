@@ -99,7 +99,7 @@ def order_correlation(ends: Points, attachments: Sequence[Points]) -> float:
     ranks = []
     for points, contact in zip(ends, attachments, strict=True):
         seeds = np.unique(KDTree(points).query(contact)[1])
-        graph = connected_knn_graph(points, GRAPH_NEIGHBORS)[0]
+        graph = connected_knn_graph(points, GRAPH_NEIGHBORS)
         # Equivalent to scipy.stats.spearmanr, whose import takes a second.
         distances = geodesic_distances(graph, seeds)
         ranks.append(np.argsort(np.argsort(distances, kind="stable")))

@@ -22,7 +22,9 @@ def test_a_mirror_image_is_not_fitted_by_a_reflection():
 
 
 @pytest.mark.parametrize("count", [1, 2, 9])
-def test_points_on_a_line_are_only_moved(count):
+def test_points_on_a_line_are_moved_rigidly(count):
     source = np.outer(np.arange(count), [1.0, 2.0, 0.0])
-    fit = fit_rigid(source, source[:, [1, 2, 0]] + 1.0)
-    np.testing.assert_array_equal(fit[:3, :3], np.eye(3))
+    target = source[:, [1, 2, 0]] + 1.0
+    fit = fit_rigid(source, target)
+    np.testing.assert_allclose(source @ fit[:3, :3].T + fit[:3, 3], target, atol=1e-12)
+    np.testing.assert_allclose(fit[:3, :3] @ fit[:3, :3].T, np.eye(3), atol=1e-12)

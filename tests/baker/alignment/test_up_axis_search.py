@@ -27,11 +27,3 @@ def test_another_axis_is_found_or_named(days):
         turn = upright(Vertical.named(name))
         up, (finding,) = find_up([even_sample(cloud @ turn) for cloud in days])
         assert up == name or finding.option == f"--up {name}"
-
-
-def test_one_scan_upside_down_is_named(days):
-    clouds = {"a": days[0], "b": days[1] * [1, -1, -1], "c": days[2]}
-    samples = [even_sample(cloud, name=name) for name, cloud in clouds.items()]
-    up, (finding,) = find_up(samples)
-    assert up == "z"
-    assert "b seems to be upside down" in finding.doubt

@@ -7,7 +7,6 @@ from baker.alignment.pose import Pose, pose_at
 from baker.alignment.sample import even_sample
 from baker.alignment.yaw import (
     YAWS,
-    consistent_yaws,
     direction_curve,
     exact_yaw,
     fit_yaws,
@@ -70,11 +69,3 @@ def test_labels_are_names_or_numbers(plant):
     assert labels_are_names([standing(scan, LABELS) for scan in scans])
     anew = [rng.permutation(5)[LABELS] for _ in scans]
     assert not labels_are_names([standing(*scan) for scan in zip(scans, anew, strict=True)])
-
-
-def test_a_lone_turn_is_outvoted_by_the_next_scan_but_one():
-    """From scan 2 to 1 a wrong yaw seems best; scans 3 to 1 and 3 to 2 say otherwise."""
-    here = np.exp(-0.5 * (wrapped(YAWS.astype(float)) / 20.0) ** 2)
-    misled = here + 1.1 * np.roll(here, len(YAWS) // 2)
-    assert np.argmax(misled) == len(YAWS) // 2
-    assert consistent_yaws([misled, here], [here]) == [0, 0]

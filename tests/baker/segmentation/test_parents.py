@@ -2,8 +2,9 @@
 
 import numpy as np
 
-from baker.geometry.neighbors import agreed_gaps, nearest_neighbors, segment_adjacency
-from baker.segmentation.from_labels import labelled_hierarchies
+from baker.geometry.graph import segment_gaps
+from baker.geometry.neighbors import nearest_neighbors
+from baker.segmentation.from_labels import MAX_GAP, labelled_hierarchies, parent_ranks
 from baker.segmentation.hierarchy import NO_PARENT
 
 SPACING = 0.05
@@ -81,22 +82,18 @@ def test_where_its_bearer_is_hidden_an_organ_hangs_on_what_is_near():
 
 def test_scans_that_show_one_of_two_say_nothing_of_how_far_they_are():
     clouds, labels = series(USUAL, USUAL[:2], TOUCHING)
-    neighbors = [nearest_neighbors(cloud) for cloud in clouds]
-    spacings = [near.spacing for near in neighbors]
-    adjacency = [segment_adjacency(*scan) for scan in zip(labels, neighbors, strict=True)]
-    agreed = agreed_gaps(labels, adjacency, spacings)
-    gaps = [adjacency[k][2, 0] / spacings[k] for k in (0, 2)]
-    assert np.isclose(agreed[2, 0], np.mean(gaps))
-    assert np.isclose(agreed[2, 1], np.mean([3.0, adjacency[2][2, 1] / spacings[2]]))
+    gaps = list(map(segment_gaps, clouds, labels))
+    ranks = parent_ranks(labels, gaps)
+    assert ranks[2, 0] == (False, np.mean([gaps[k][2, 0] for k in (0, 2)]))
+    assert ranks[2, 1] == (False, np.mean([MAX_GAP, gaps[2][2, 1]]))
 
 
 def test_the_scans_unit_does_not_matter():
-    def gaps(scale):
+    def ranks(scale):
         clouds, labels = series(USUAL, TOUCHING)
-        neighbors = [nearest_neighbors(scale * cloud) for cloud in clouds]
-        adjacency = [segment_adjacency(*scan) for scan in zip(labels, neighbors, strict=True)]
-        return agreed_gaps(labels, adjacency, [near.spacing for near in neighbors])
+        scaled = [scale * cloud for cloud in clouds]
+        return parent_ranks(labels, list(map(segment_gaps, scaled, labels)))
 
-    one, other = gaps(1.0), gaps(1000.0)
+    one, other = ranks(1.0), ranks(1000.0)
     assert one.keys() == other.keys()
     assert np.allclose([one[pair] for pair in one], [other[pair] for pair in one])

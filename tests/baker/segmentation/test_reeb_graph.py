@@ -11,7 +11,7 @@ from tests.baker.segmentation.seedling import seedling, tube
 
 
 def sample_of(points: np.ndarray):
-    return sample_plant(points, int(np.argmin(points[:, 2])), 10)
+    return sample_plant(points, int(np.argmin(points[:, 2])))
 
 
 def test_the_stem_is_measured():
@@ -40,8 +40,7 @@ def test_nodes_form_a_tree_and_hold_every_point_once():
     tree = reeb_tree(sample)
     assert tree.parent[0] == -1
     assert all(0 <= parent < node for node, parent in enumerate(tree.parent) if node)
-    assert tree.count.sum() == len(sample.points)
-    assert tree.subtree_sums(tree.count)[0] == len(sample.points)
+    assert tree.subtree_sums(np.bincount(tree.node))[0] == len(sample.points)
     for node, children in enumerate(tree.children):
         assert all(tree.parent[child] == node for child in children)
 
