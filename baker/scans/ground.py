@@ -20,24 +20,9 @@ def remove_ground(
 ) -> tuple[list[Scan], str, tuple[Finding, ...]]:
     """Remove the ground from the scans of a series, where they show one.
 
-    In scans with labels, the labels of which most points lie in the ground are removed.
-
-    Parameters
-    ----------
-    scans : sequence of Scan
-    up : str
-        The direction of growth, one of `DIRECTIONS`, or "auto" where it is not known.
-    keep : bool
-        Find the ground, but don't remove it.
-    map : map-like callable
-        Maps over the scans.
-
-    Returns
-    -------
-    scans : list of Scan
-    ground_up : str
-        The direction away from the ground, one of `DIRECTIONS`; "" where no ground was found.
-    findings : tuple of Finding
+    In scans with labels, the labels of which most points lie in the ground are removed. `up` is the
+    direction of growth, "auto" where it is not known; `keep` finds the ground, but does not remove
+    it. Returns the scans, the direction away from the ground ("" without one) and the findings.
     """
     directions = DIRECTIONS if up == "auto" else (up,)
     remaining, ground_up, findings = list(scans), "", []

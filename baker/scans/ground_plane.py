@@ -70,19 +70,7 @@ class Ground:
 
 
 def find_ground(points: Points, up: str) -> Ground | None:
-    """Find the ground below or around a plant.
-
-    Parameters
-    ----------
-    points : (N, 3) float
-    up : str
-        The axis along which the plant grows, roughly.
-
-    Returns
-    -------
-    Ground or None
-        The one of best score; None if there is no ground.
-    """
+    """The ground of best score under (N, 3) points of a plant that grows roughly along `up`."""
     sample = _upright(np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64), up)
     sample = sample[np.argsort(sample[:, 2], kind="stable")]
     for slabs in (LOW_SLABS, SLABS):
@@ -113,7 +101,7 @@ def _fit_ground(sample: Points, up: str, low: float, high: float) -> Ground | No
 
     sample: upright points, the lowest first.
     """
-    plane = np.zeros(3)
+    plane: Points = np.zeros(3)
     for _ in range(2):  # the second time, the slab is as steep as the ground
         heights = _heights(sample, plane)
         bottom, top = np.quantile(heights, [0.002, 1.0])

@@ -57,30 +57,13 @@ def choose_labels(
 ) -> tuple[list[Scan], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
-    Parameters
-    ----------
-    scans : sequence of Scan
-    is_asked : bool
-        Whether the user named the field; it is used whatever its values look like.
-    are_needed : bool
-        Whether the user said that there are labels; a field with a known name is then not doubted.
-    map : map-like callable
-        Maps over the scans, in threads.
+    `is_asked`: the user named the field, which is used whatever its values look like. `are_needed`:
+    the user said that there are labels; a field with a known name is then not doubted. `map` maps
+    over the scans, in threads.
 
-    Returns
-    -------
-    scans : list of Scan
-    fields : str
-        The names of the fields used, "" where there are no labels.
-    words : dict
-        Label -> word, where the fields hold words.
-    findings : tuple of Finding
-        The fields that were not used, and why.
-
-    Raises
-    ------
-    InputError
-        If the field that the user named holds neither whole numbers nor words.
+    Returns the scans, the names of the fields used ("" where there are no labels), the word for
+    each label where the fields hold words, and why other fields were not used. Raises InputError if
+    the field that the user named holds neither whole numbers nor words.
     """
     names: list[str] = []
     findings: list[Finding] = []
@@ -114,19 +97,9 @@ def drop_labels(
 ) -> tuple[list[Scan], tuple[Finding, ...]]:
     """Remove the points of the labels that the user drops, and of soil, pots and the like.
 
-    Parameters
-    ----------
-    scans, words
-        As `choose_labels` returns them.
-    dropped : str
-        Labels to drop, separated by commas.
-    keep_ground : bool
-        Whether labels of `GROUND_WORDS` stay.
-
-    Raises
-    ------
-    InputError
-        If no scan has a label of `dropped`, or a scan has no other labels.
+    `scans` and `words` are those of `choose_labels`, `dropped` lists labels, separated by commas;
+    with `keep_ground` labels of `GROUND_WORDS` stay. Raises InputError if no scan has a label of
+    `dropped`, or a scan has no other labels.
     """
     asked = set(filter(None, dropped.lower().split(",")))
     ground = set() if keep_ground else GROUND_WORDS
