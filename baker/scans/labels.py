@@ -34,10 +34,10 @@ GROUND_WORDS = {"soil", "ground", "pot", "background", "floor", "table", "tray",
 NO_LABEL = {"", "nan", "none", "null", "na", "unlabelled", "unlabeled", "unclassified", "noise"}
 SAMPLED_SCANS = 3  # scans of a series in which the places of labels are counted
 NEIGHBORS, MIN_SAMPLE, MAX_SAMPLE = 8, 100, 10_000  # nearest neighbours; points of each scan
-# In 23 real series an organ's label is in 1.04 places at most (1.25 where one point in ten has a
-# wrong label, 22 of 23), heights and other coordinates in steps in 1.4 or more, random numbers in
-# 30; stem and leaf in 1.1 (two grasses) to 5, 18 of 20 in more than 1.3.
-MAX_PLACES = 1.3
+# In 23 real series an organ's label is in 1.04 places at most (in 22 of 23 up to 1.25, where one
+# point in ten has a random label); stem and leaf in 1.13 to 5, in 19 of 20 more than 1.25; heights
+# and other coordinates in steps in 1.39 or more, random numbers in 30 or more.
+MAX_PLACES = 1.25
 
 
 def label_rank(name: str) -> int | None:
@@ -71,7 +71,12 @@ def choose_labels(
         having = [scan for scan in scans if name in scan.fields]
         is_known = label_rank(name) is not None
         if is_asked:
-            _require_whole(name, having)
+            if found := _first_fraction(name, having):
+                raise InputError(
+                    f"'{found[0].path}': the field '{excerpt(name)}' holds {found[1]:g}, but "
+                    "labels must be whole numbers or words; choose another field with "
+                    "--label-field, or read the scans without labels (--labels ignore)."
+                )
         elif not is_known and (names or min(map(len, having)) < MIN_SAMPLE):
             continue
         elif objection := _objection(name, having, is_known and are_needed, map):
@@ -133,25 +138,17 @@ def _order(name: str) -> tuple[int, str]:
     return (len(RANKS) if rank is None else rank), name
 
 
-def _fraction(values: NDArray) -> float | None:
-    """The first number that can't be a label; None if all values can."""
-    if values.dtype.kind in "iU":
-        return None
-    with np.errstate(invalid="ignore"):
-        is_whole = (values == np.rint(values)) & (np.abs(values) < 2.0**63)
-    is_label = is_whole | np.isnan(values)
-    return None if is_label.all() else float(values[~is_label][0])
-
-
-def _require_whole(name: str, scans: Sequence[Scan]) -> None:
-    """Raise InputError where the field that the user named holds a number that is no label."""
+def _first_fraction(name: str, scans: Sequence[Scan]) -> tuple[Scan, float] | None:
+    """The first number of a field that can't be a label, with its scan; None if all can."""
     for scan in scans:
-        if (value := _fraction(scan.fields[name])) is not None:
-            raise InputError(
-                f"'{scan.path}': the field '{excerpt(name)}' holds {value:g}, but "
-                "labels must be whole numbers or words; choose another field with --label-field, "
-                "or read the scans without labels (--labels ignore)."
-            )
+        values = scan.fields[name]
+        if values.dtype.kind not in "iU":
+            with np.errstate(invalid="ignore"):
+                is_whole = (values == np.rint(values)) & (np.abs(values) < 2.0**63)
+            is_label = is_whole | np.isnan(values)
+            if not is_label.all():
+                return scan, float(values[~is_label][0])
+    return None
 
 
 def _objection(name: str, scans: Sequence[Scan], is_trusted: bool, map: MapLike) -> Finding | None:
@@ -159,10 +156,9 @@ def _objection(name: str, scans: Sequence[Scan], is_trusted: bool, map: MapLike)
 
     is_trusted: whether it labels organs if it can.
     """
+    if found := _first_fraction(name, scans):
+        return _finding(name, f"is not used, as it holds {found[1]:g}, which is no whole number")
     values = [scan.fields[name] for scan in scans]
-    fraction = next((found for found in map(_fraction, values) if found is not None), None)
-    if fraction is not None:
-        return _finding(name, f"is not used, as it holds {fraction:g}, which is no whole number")
     distinct = [np.unique(labels) for labels in values]
     if len(np.unique(np.concatenate(distinct))) == 1:
         value = str(distinct[0][0]).strip().lower().removesuffix(".0")
@@ -171,11 +167,11 @@ def _objection(name: str, scans: Sequence[Scan], is_trusted: bool, map: MapLike)
         return _finding(name, "is not used, as it is one number in each scan")
     if is_trusted:
         return None
-    sampled = np.unique(np.linspace(0, len(scans) - 1, SAMPLED_SCANS).astype(int))
-    places = map(_places, [scans[k].points for k in sampled], [values[k] for k in sampled])
+    step = -(-len(scans) // SAMPLED_SCANS)
+    places = map(_places, [scan.points for scan in scans[::-step]], values[::-step])
     if (mean := float(np.mean(list(places)))) <= MAX_PLACES:
         return None
-    doubt = f"its values are in {mean:.2g} places each, as kinds of organs (stem, leaf) are"
+    doubt = f"its values are in {mean:.1f} places each, as kinds of organs (stem, leaf) are"
     return _finding(name, "is not used", doubt, f"--label-field '{name}'")
 
 
