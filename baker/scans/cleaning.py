@@ -103,21 +103,10 @@ def drop_outliers(scan: Scan, ratio: float) -> Scan:
 
 
 def downsample(scan: Scan, voxel: float) -> Scan:
-    """Keep one point of each label in each voxel of edge length `voxel` (unit of the scan)."""
-    return _keep(scan, _one_per_voxel(scan, voxel), f"to keep one for each voxel of {voxel:g}")
+    """Keep one point of each label in each voxel of edge length `voxel` (unit of the scan).
 
-
-def resampled(scan: Scan, count: int) -> Scan:
-    """Down-sample the surface evenly to about `count` points; a smaller scan stays as it is."""
-    if len(scan) <= count:
-        return scan
-    kept = _one_per_voxel(scan, voxel_size_for(scan.points.astype(np.float64), count))
-    note = f"resampled evenly from {len(scan)} to {len(kept)} points."
-    return scan.take(kept).noting(note)
-
-
-def _one_per_voxel(scan: Scan, voxel: float) -> NDArray[np.intp]:
-    """The indices of the points nearest to the means of all points of one label in one voxel."""
+    It is the one nearest to the mean of all these points.
+    """
     points = scan.points.astype(np.float64)
     cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * MIN_VOXEL_RATIO))
     labels = np.zeros(len(scan)) if scan.labels is None else scan.labels.view(np.float64)
@@ -128,7 +117,13 @@ def _one_per_voxel(scan: Scan, voxel: float) -> NDArray[np.intp]:
     distance = ((scan.points - mean[group]) ** 2).sum(axis=1)
     nearest_first = np.lexsort((distance, group))
     _, first = np.unique(group[nearest_first], return_index=True)
-    return np.sort(nearest_first[first])
+    return _keep(scan, np.sort(nearest_first[first]), f"to keep one for each voxel of {voxel:.6g}")
+
+
+def resampled(scan: Scan, count: int) -> Scan:
+    """Down-sample the surface evenly to about `count` points; a smaller scan stays as it is."""
+    voxel = voxel_size_for(scan.points.astype(np.float64), count)
+    return downsample(scan, voxel) if voxel else scan
 
 
 def _row_bytes(rows: NDArray[np.floating]) -> NDArray[np.void]:

@@ -30,28 +30,11 @@ def choose_fields(
 ) -> Scan:
     """Make a scan from the fields of a file; its labels are chosen later, among its `fields`.
 
-    Parameters
-    ----------
-    columns : Columns
-    path : Path
-        Of the file, for messages.
-    label_field : str, optional
-        The only field that may be labels; by default all that look like labels.
-    use_labels : bool
-        False leaves out all fields that may be labels.
-    carried : sequence of str
-        The fields that become scalars of the clip.
-
-    Returns
-    -------
-    Scan
-        With positions, colours and scalars. Colours whose values are out of range are left out with
-        a note; scalars that are infinite, or too large for a float32, become NaN: no value.
-
-    Raises
-    ------
-    InputError
-        If x, y, z, `label_field` or a field of `carried` is missing.
+    `path` is the file's, for messages. Only `label_field` may be labels or, by default, all fields
+    that look like labels; none if `use_labels` is False. The fields of `carried` become scalars of
+    the clip; those that are infinite, or too large for a float32, become NaN: no value. Colours
+    whose values are out of range are left out with a note. Raises InputError if x, y, z,
+    `label_field` or a field of `carried` is missing.
     """
     by_name = {name.lower(): name for name in reversed(columns.values)}  # of equal names the first
     label_names = [label_field] if label_field is not None and use_labels else []

@@ -87,11 +87,9 @@ def read_times(texts: Sequence[str]) -> Reading | None:
     return replace(best, doubt=_doubt(best, distinct, texts[0]))
 
 
-def find_time(text: str) -> re.Match[str] | None:
-    """The first clearly written time in a text: a date with a year, or a labelled number."""
-    clear = (convention for convention in CONVENTIONS if convention.is_clear)
-    matches = (match for convention in clear for match in convention.pattern.finditer(text))
-    return next((match for match in matches if read_moment(match) is not None), None)
+def has_time(text: str) -> bool:
+    """Whether a text holds a clearly written time: a date with a year, or a labelled number."""
+    return (reading := read_times([text])) is not None and reading.convention.is_clear
 
 
 def _readings(convention: Convention, texts: Sequence[str]) -> Iterator[Reading]:

@@ -18,7 +18,7 @@ from baker.scans.scan import Finding, Scan, Series
 from baker.scans.times.conventions import Moment
 from baker.scans.times.names import (
     Reading,
-    find_time,
+    has_time,
     moments_from_file,
     moments_from_list,
     read_times,
@@ -39,24 +39,10 @@ def schedule_scans(
 ) -> Series:
     """Order and time scans, which are not read yet, by the first rule that fits them all.
 
-    Parameters
-    ----------
-    paths : sequence of Path
-    times_file : Path, optional
-    times : sequence, optional
-        The time of each scan, as given in Python; no other rule is tried then.
-    from_folder : bool
-        Whether the paths are those in a folder, and not in an order that the user gave.
-
-    Returns
-    -------
-    Series, of scans without points
-
-    Raises
-    ------
-    InputError
-        If two scans have the same time, the times file is wrong or misses a scan, or the order of
-        numbered names is ambiguous.
+    These are the `times` given in Python, the times file, the times in names, and the order of
+    names if the paths are `from_folder` or, if the user has listed them, their own. Raises
+    InputError if two scans have the same time, the times file is wrong or misses a scan, or the
+    order of numbered names is ambiguous.
     """
     parts = [path.resolve().parts for path in paths]
     names = [path.name for path in paths]
@@ -107,17 +93,13 @@ def names_without_times(stems: Sequence[str]) -> list[str]:
     annotated scans (``M01_0313_a``, ``M01_0314``).
     """
     reading = read_times(stems)
-    if reading and reading.are_distinct:
-        spans = list(reading.spans)
-    else:
-        found = ((stem, find_time(stem)) for stem in stems)
-        spans = [time.span() if time else (len(stem), len(stem)) for stem, time in found]
-    parts = [(stem[:a], "*" * (b > a), stem[b:]) for stem, (a, b) in zip(stems, spans, strict=True)]
-    rests = {rest for _, _, rest in parts}
-    shorter, longer = min(rests, key=len), max(rests, key=len)
-    if all(star for _, star, _ in parts) and len(rests) == 2 and longer.startswith(shorter):
-        return [before + star for before, star, _ in parts]
-    return ["".join(part) for part in parts]
+    if reading is None:
+        return list(stems)
+    parts = [(stem[:a], stem[b:]) for stem, (a, b) in zip(stems, reading.spans, strict=True)]
+    rests = sorted({rest for _, rest in parts}, key=len)
+    if len(rests) == 2 and rests[1].startswith(rests[0]):
+        return [f"{before}*" for before, _ in parts]
+    return [f"{before}*{rest}" for before, rest in parts]
 
 
 def schedule_in_time(
@@ -144,15 +126,12 @@ def schedule_in_time(
             )
     ordered = sorted(scans, key=lambda scan: scan.time)
     for before, after in pairwise(ordered):
-        step, both = after.time - before.time, f"'{before.name}' and '{after.name}'"
-        if step == 0:
+        if (step := after.time - before.time) < MIN_TIME_STEP:
             raise InputError(
-                f"{both} have the same time, {after.date} ({rule}); give one scan for each "
-                "moment, or say the times with --times FILE."
+                f"'{before.name}' and '{after.name}' have {'nearly ' * (step > 0)}the same time, "
+                f"{after.date} ({rule}); give one scan for each moment, or say the times with "
+                "--times FILE."
             )
-        if step < MIN_TIME_STEP:
-            least = f"{MIN_TIME_STEP:g} days have to lie between two scans"
-            raise InputError(f"{both} have nearly the same time ({rule}); {least}.")
     rule = f"{ordered[0].date} to {ordered[-1].date}, {rule}"
     if not from_folder and [scan.path for scan in ordered] != [*paths]:
         rule += "; in the order of time, not in the order given"
@@ -179,7 +158,7 @@ def _in_order(paths: Sequence[Path], names: Sequence[str], from_folder: bool) ->
                 )
     moments = [Moment(float(k), str(k)) for k in range(len(names))]
     series = schedule_in_time([paths[i] for i in order], [names[i] for i in order], moments, rule)
-    untimed = [name for name, stem in zip(names, stems, strict=True) if find_time(stem) is None]
+    untimed = [name for name, stem in zip(names, stems, strict=True) if not has_time(stem)]
     is_mixed = 0 < len(untimed) < len(names)
     reason = f"no time in the name '{untimed[0]}'" if is_mixed else "no times in the names"
     doubt = f"{reason}, so growth rates will be per scan and not per day"

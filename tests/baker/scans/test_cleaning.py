@@ -155,7 +155,7 @@ def test_resampling_comes_near_the_number_and_evens_the_density():
     assert len(kept) == pytest.approx(800, rel=0.05)
     share = (kept.points[:, 0] < 1).mean()
     assert 0.45 < share < 0.6
-    assert "resampled evenly from 10000" in kept.notes[-1]
+    assert "to keep one for each voxel of 0.0" in kept.notes[-1]
 
 
 def test_resampling_leaves_small_scans_alone():
