@@ -1,13 +1,13 @@
 """Find the plane that a plant stands on: soil, a table, or the soil in a pot.
 
-As in the filtering of terrain, a plane is fitted to the lowest points in the cells of a horizontal
-grid. It is fitted in slabs of the scan: the lowest ones or, if these hold no ground, those above,
-for the soil in a pot. The plane is the ground if it is round and without gaps, and something rises
-from its middle; what lies below it must be a pot about as wide. Leaves fail: they are narrow, have
-gaps between them, or are joined to the plant at their edge.
+As in the filtering of terrain, RANSAC fits a plane to the lowest points in the cells of a
+horizontal grid. The plane is the ground if it is round and without gaps, hardly any points lie
+below it, and something rises from its middle. Leaves fail: they are narrow, have gaps between them,
+or are joined to the plant at their edge. The soil in a pot is searched for in slices of all
+heights, from the highest points in the cells; the pot below it must be about as wide.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,34 +19,40 @@ Points = NDArray[np.floating]
 
 MAX_SAMPLE = 20_000  # points of a scan in which its ground is searched for
 CELLS = 16  # cells along the longer side of the grid; the plane's tolerance is one cell's width
-LOW_SLABS = ((0.0, 0.05), (0.0, 0.25))  # shares of the height: of a small, and of a wide ground
-SLABS = tuple((k / 24, (k + 1.5) / 24) for k in range(1, 24))  # that may hold the soil in a pot
-FITS = 8  # of the plane
+LOW_SHARES = (0.05, 0.25)  # of the height, in which a small or a wide ground is searched for
+TRIALS, SEED = 300, 0  # of RANSAC
+BELOW_COST = 4  # number of cells in the plane that one cell below it cancels
 MAX_SLOPE = 0.5  # of the ground against the direction of growth: 27 degrees
 MIN_THICKNESS = 0.05  # in widths of a cell, for a plane without any roughness
 THICKNESS = 3.0  # in standard deviations of the ground's roughness
 MAX_BELOW = 0.05  # share of the points that may lie below the ground
 MAX_COVERED = 0.5  # share of the ground's cells that may have points just above them
 MIN_IN_MIDDLE = 0.1  # share of the points just above the ground that are 1/4 radius from its edge
-# Scores of a ground. Discs of soil on slopes, rough or in mounds score 0.87 or more, soil in pots
-# 0.77, rectangles of 3 : 5 0.56. Of 23 series of plants without ground no scan has more than 0.51
-# along its true direction, five have up to 0.6 along another.
-MIN_SCORE, CERTAIN_SCORE = 0.53, 0.7
-POT_EDGE = 0.5  # in radii, from the edge of the soil: median distance of the pot's points
+MIN_SCORE, MIN_POT_SCORE = 0.5, 0.7  # of a ground, and of the soil in a pot
+SLICES, OVERLAP = 24, 1.5  # of the height, in which a pot's soil is searched for; their thickness
+MIN_FILLED = 0.55  # share of a slice's cells that have points; a disc of soil fills 0.79
+MIN_IN_POT = 0.05  # share of the points that lie below the soil of a pot
+POT_EDGE = 0.5  # in radii, from the edge of the soil: their median distance is at most this
 RIM_WIDTH, RIM_SECTORS, MIN_RIM = 0.2, 32, 0.7  # in radii; of a ring; share of sectors with points
 
 
 @dataclass(frozen=True)
 class Ground:
-    """A surface under a plant, level or on a slope. Heights are vertical, along `up`."""
+    """A level surface under a plant."""
 
-    up: str
-    plane: Points  # (3,) a, b, c: its height is a x + b y + c
-    thickness: float  # greatest distance of the ground's points above and below the plane
+    frame: Points  # (3, 3) rotation; its third row is the direction away from the ground
+    height: float  # in that direction
+    thickness: float  # greatest distance of the ground's points above and below `height`
     outline: Points  # (E, 3) a, b, c of the lines around it: a x + b y + c <= 0 inside
     score: float  # how round and free of gaps it is, from 0 to 1
     margin: float = 0.0  # half the width of the pot's wall, on both sides of the outline
     rim: float = 0.0  # height of the pot's rim above the soil
+
+    def coordinates(self, points: Points) -> tuple[Points, Points, Points]:
+        """Rotate (N, 3) points into `frame`; their (N,) heights and distances inside the edge."""
+        rotated = points @ self.frame.T
+        inside = -(rotated[:, :2] @ self.outline[:, :2].T + self.outline[:, 2]).max(axis=1)
+        return rotated, rotated[:, 2] - self.height, inside
 
     def holds(self, points: Points) -> NDArray[np.bool_]:
         """(N,) whether points lie in the ground or below it; False for a stem that enters it.
@@ -56,117 +62,83 @@ class Ground:
         """
         from scipy.spatial import KDTree
 
-        upright = _upright(points, self.up)
-        heights, inside = _heights(upright, self.plane), _inside(upright, self.outline)
+        rotated, heights, inside = self.coordinates(points)
         held = (heights <= self.thickness) & (inside >= 0)
         held |= (heights <= self.rim) & (np.abs(inside) <= self.margin)
         rising = ~held & (heights <= 3 * self.thickness) & (inside >= self.margin)
         layer = np.flatnonzero(held & (heights >= -self.thickness))
         if min(rising.sum(), len(layer)) > 1:
             spacing = min(point_spacing(points[rising]), point_spacing(points[layer]))
-            distances, _ = KDTree(upright[rising, :2]).query(upright[layer, :2])
+            distances, _ = KDTree(rotated[rising, :2]).query(rotated[layer, :2])
             held[layer[distances <= spacing]] = False
         return held
 
 
 def find_ground(points: Points, up: str) -> Ground | None:
-    """The ground of best score under (N, 3) points of a plant that grows roughly along `up`."""
-    sample = _upright(np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64), up)
-    sample = sample[np.argsort(sample[:, 2], kind="stable")]
-    for slabs in (LOW_SLABS, SLABS):
-        found = [ground for slab in slabs if (ground := _fit_ground(sample, up, *slab))]
-        if found:
-            return max(found, key=lambda ground: ground.score)
-    return None
+    """Find the ground below or around a plant.
 
+    Parameters
+    ----------
+    points : (N, 3) float
+    up : str
+        The axis along which the plant grows, roughly.
 
-def _upright(points: Points, up: str) -> Points:
-    """(N, 3) points in a frame whose z axis points up."""
-    vertical = Vertical.named(up)
-    return np.column_stack([np.delete(points, vertical.axis, axis=1), vertical.height(points)])
-
-
-def _heights(points: Points, plane: Points) -> Points:
-    """(N,) heights of upright points above a plane."""
-    return points[:, 2] - points[:, :2] @ plane[:2] - plane[2]
-
-
-def _inside(points: Points, outline: Points) -> Points:
-    """(N,) distances of upright points inside an outline, negative outside."""
-    return -(points[:, :2] @ outline[:, :2].T + outline[:, 2]).max(axis=1)
-
-
-def _fit_ground(sample: Points, up: str, low: float, high: float) -> Ground | None:
-    """Fit a ground to the points between two shares of the height, if they are one.
-
-    sample: upright points, the lowest first.
+    Returns
+    -------
+    Ground or None
+        The one of best score; None if there is no ground.
     """
-    plane: Points = np.zeros(3)
-    for _ in range(2):  # the second time, the slab is as steep as the ground
-        heights = _heights(sample, plane)
-        bottom, top = np.quantile(heights, [0.002, 1.0])
-        shares = (heights - bottom) / ((top - bottom) or 1.0)
-        slab = sample[(shares <= high) & ((shares >= low) | (low == 0.0))]
-        if len(slab) < CELLS:
-            return None
-        cells, width = _lowest_points(slab)
-        plane = _fit_plane(cells, width)
-    level = cells[np.abs(_heights(cells, plane)) <= width]
-    if len(level) < CELLS or np.hypot(*plane[:2]) > MAX_SLOPE:
-        return None
-    outline, score = _outline(level[:, :2], width)
-    if score < MIN_SCORE:
-        return None
+    vertical = Vertical.named(up)
+    frame = _rotation_to_z(vertical.sign * np.eye(3)[vertical.axis])
+    sample = _by_height(np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64), frame)
+    found = [_fit_ground(sample, -np.inf, share) for share in LOW_SHARES]
+    if not any(found):
+        slices = [(k / SLICES, (k + OVERLAP) / SLICES) for k in range(1, SLICES)]
+        found = [_fit_ground(sample, *heights, is_pot=True) for heights in slices]
+    best = max(filter(None, found), key=lambda ground: ground.score, default=None)
+    return best and replace(best, frame=best.frame @ frame)
 
-    heights, inside = _heights(sample, plane), _inside(sample, outline)
-    columns = np.floor(sample[:, :2] / width) @ [1e6, 1.0]
-    near = (np.abs(heights) <= 2 * width) & (inside >= 0)
+
+def _by_height(points: Points, frame: Points) -> Points:
+    """(N, 3) points rotated into a frame, the lowest first."""
+    rotated = points @ frame.T
+    return rotated[np.argsort(rotated[:, 2], kind="stable")]
+
+
+def _fit_ground(sample: Points, low: float, high: float, is_pot: bool = False) -> Ground | None:
+    """Fit a ground to the points between two shares of the height, if they are one."""
+    sign, passes, min_cells, min_score = 1, 2, float(CELLS), MIN_SCORE
+    if is_pot:
+        sign, passes, min_cells, min_score = -1, 1, MIN_FILLED * CELLS**2, MIN_POT_SCORE
+    frame, rotated = np.eye(3), sample
+    for _ in range(passes):  # the second time in a frame in which the ground is level
+        cells, width = _extreme_points(rotated, low, high, sign)
+        if len(cells) < min_cells:
+            return None
+        level, normal = _fit_plane(cells, width)
+        if level.sum() < CELLS:
+            return None
+        rotation = _rotation_to_z(normal)
+        frame, cells = rotation @ frame, cells[level] @ rotation.T
+        rotated = _by_height(sample, frame)
+    outline, score = _outline(cells[:, :2], width)
+    if score < min_score:
+        return None
+    ground = Ground(frame, float(np.median(cells[:, 2])), 2 * width, outline, score)
+    rotated, heights, inside = ground.coordinates(sample)
+    near = (np.abs(heights) <= ground.thickness) & (inside >= 0)
+    columns = np.floor(rotated[:, :2] / width) @ [1e6, 1.0]
     middle = _median_of_medians(columns[near], heights[near])
     deviation = 1.4826 * _median_of_medians(columns[near], np.abs(heights[near] - middle))
-    thickness = max(THICKNESS * deviation, MIN_THICKNESS * width)
-    plane[2] += middle
-    heights -= middle
-    radius, below = float(inside.max()), heights < -thickness
-    margin = rim = 0.0
-    if below.mean() > MAX_BELOW:
-        margin = RIM_WIDTH * radius
-        in_pot = below & (inside >= -margin)
-        is_pot = in_pot.mean() >= MAX_BELOW and np.median(inside[in_pot]) <= POT_EDGE * radius
-        if not is_pot or score < CERTAIN_SCORE or (below & ~in_pot).mean() > MAX_BELOW:
-            return None
-        wall = np.abs(inside) <= margin
-        sides = sample[wall, :2] - sample[inside > 0, :2].mean(axis=0)
-        rim = thickness + _rim_height(sides, heights[wall] - thickness, width)
-    rises = (heights > thickness) & (inside >= margin)
-    just_above = inside[rises & (heights <= thickness + max(thickness, radius / 6))]
-    bare = np.unique(columns[(np.abs(heights) <= thickness) & (inside >= 0)])
-    covered = np.unique(columns[rises & (heights <= 3 * thickness)])
-    in_middle = np.sum(just_above > width + radius / 4)
-    is_joined = in_middle < max(1, MIN_IN_MIDDLE * len(just_above))
-    if is_joined or len(covered) > MAX_COVERED * len(bare):
+    ground = replace(
+        ground,
+        height=ground.height + middle,
+        thickness=max(THICKNESS * deviation, MIN_THICKNESS * width),
+        margin=RIM_WIDTH * float(inside.max()) if is_pot else 0.0,
+    )
+    if not _carries_plant(ground, sample, columns, width):
         return None
-    return Ground(up, plane, thickness, outline, score, margin, rim)
-
-
-def _lowest_points(points: Points) -> tuple[Points, float]:
-    """The first of (N, 3) points in each cell of a horizontal grid, and the cells' width."""
-    corner, end = np.quantile(points[:, :2], [0.005, 0.995], axis=0)
-    width = float((end - corner).max()) / CELLS or 1.0
-    cell = np.floor((points[:, :2] - corner) / width)
-    within = ((cell >= 0) & (cell <= CELLS)).all(axis=1)
-    _, first = np.unique(cell[within] @ [CELLS + 1, 1], return_index=True)
-    return points[within][first], width
-
-
-def _fit_plane(points: Points, tolerance: float) -> Points:
-    """The (3,) plane through most of (N, 3) points, by least trimmed squares."""
-    sides = np.column_stack([points[:, :2], np.ones(len(points))])
-    is_level = np.ones(len(points), bool)
-    for _ in range(FITS):
-        plane = np.linalg.lstsq(sides[is_level], points[is_level, 2], rcond=None)[0]
-        distances = np.abs(points[:, 2] - sides @ plane)
-        is_level = distances <= max(tolerance, np.median(distances))
-    return plane
+    return replace(ground, rim=_rim_height(ground, sample, width)) if is_pot else ground
 
 
 def _outline(cells: Points, width: float) -> tuple[Points, float]:
@@ -184,17 +156,89 @@ def _outline(cells: Points, width: float) -> tuple[Points, float]:
     return hull.equations - [0.0, 0.0, width], float(score)
 
 
-def _median_of_medians(groups: Points, values: Points) -> float:
-    """The median of the groups' medians: a stem has many points, but in few groups."""
-    from scipy.ndimage import median
+def _carries_plant(ground: Ground, sample: Points, columns: Points, width: float) -> bool:
+    """Whether only a pot, if anything, lies below the ground, and a plant rises from its middle."""
+    _, heights, inside = ground.coordinates(sample)
+    thickness, radius = ground.thickness, float(inside.max()) - width
+    below = heights < -thickness
+    if ground.margin:
+        in_pot = inside[below & (inside >= -ground.margin)]
+        if len(in_pot) < MIN_IN_POT * len(sample) or np.median(in_pot) > POT_EDGE * radius:
+            return False
+        below &= inside < -ground.margin
+    over = (heights > thickness) & (inside >= ground.margin)
+    just_above = inside[over & (heights <= max(2 * thickness, thickness + radius / 6))]
+    bare = np.unique(columns[(np.abs(heights) <= thickness) & (inside >= 0)])
+    covered = np.unique(columns[over & (heights <= 3 * thickness)])
+    return bool(
+        below.mean() <= MAX_BELOW
+        and len(covered) <= MAX_COVERED * len(bare)
+        and np.sum(just_above > width + radius / 4) >= max(1, MIN_IN_MIDDLE * len(just_above))
+    )
 
-    return float(np.median(median(values, groups, np.unique(groups))))
 
-
-def _rim_height(sides: Points, heights: Points, width: float) -> float:
-    """The height up to which the wall of a pot, around zero, has points in most directions."""
-    sector = np.floor((np.arctan2(*sides.T) / (2 * np.pi) + 0.5) * RIM_SECTORS)
-    layer, rim = np.floor(heights / width), 0
+def _rim_height(ground: Ground, sample: Points, width: float) -> float:
+    """The height above the soil up to which the wall of the pot has points in most directions."""
+    rotated, heights, inside = ground.coordinates(sample)
+    on_edge = np.abs(inside) <= ground.margin
+    x, y = (rotated[on_edge, :2] - rotated[inside > 0, :2].mean(axis=0)).T
+    sector = np.floor((np.arctan2(y, x) / (2 * np.pi) + 0.5) * RIM_SECTORS)
+    layer = np.floor((heights[on_edge] - ground.thickness) / width)
+    rim = 0
     while len(np.unique(sector[layer == rim])) >= MIN_RIM * RIM_SECTORS:
         rim += 1
-    return rim * width
+    return ground.thickness + rim * width
+
+
+def _extreme_points(rotated: Points, low: float, high: float, sign: int) -> tuple[Points, float]:
+    """The lowest (sign 1) or highest (-1) point in each cell of a grid, and the cells' width.
+
+    Only points between the shares `low` and `high` of the height are used; rotated: by height.
+    """
+    heights = rotated[:, 2]
+    bottom, top = heights[len(heights) // 500], heights[-1]
+    begin = np.searchsorted(heights, bottom + low * ((top - bottom) or 1.0))
+    stop = np.searchsorted(heights, bottom + high * ((top - bottom) or 1.0), "right")
+    points = rotated[begin:stop][::sign]
+    if len(points) < CELLS:  # too few for a ground
+        return points, 1.0
+    corner, end = np.quantile(points[:, :2], [0.005, 0.995], axis=0)
+    width = float((end - corner).max()) / CELLS or 1.0
+    column, row = np.floor((points[:, :2] - corner) / width).T
+    within = (column >= 0) & (column <= CELLS) & (row >= 0) & (row <= CELLS)
+    cell = ((CELLS + 1) * column + row)[within].astype(np.int16)  # short integers sort fast
+    return points[within][np.unique(cell, return_index=True)[1]], width
+
+
+def _fit_plane(cells: Points, width: float) -> tuple[NDArray[np.bool_], Points]:
+    """Fit a plane with few points below it to (C, 3) points by RANSAC: its inliers and normal."""
+    heights, ones = cells[:, 2] / width, np.ones(len(cells))
+    sides = np.column_stack([cells[:, :2] / width, ones])
+    triples = np.random.default_rng(SEED).integers(0, len(cells), (TRIALS, 3))
+    triples = triples[np.abs(np.linalg.det(sides[triples])) > 1]
+    planes = np.linalg.solve(sides[triples], heights[triples][..., None])[..., 0]
+    planes = planes[np.hypot(planes[:, 0], planes[:, 1]) <= MAX_SLOPE]
+    if not len(planes):
+        return np.zeros(len(cells), bool), ones[:3]
+    residuals = heights - planes @ sides.T
+    votes = (np.abs(residuals) <= 1).sum(axis=1) - BELOW_COST * (residuals < -1).sum(axis=1)
+    plane = planes[np.argmax(votes)]
+    for _ in range(4):
+        level = np.abs(heights - sides @ plane) <= 1
+        plane = np.linalg.lstsq(sides[level], heights[level], rcond=None)[0]
+    return level, np.array([-plane[0], -plane[1], 1.0])
+
+
+def _rotation_to_z(up: Points) -> Points:
+    """The (3, 3) rotation matrix that rotates `up` to the z axis."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.align_vectors([[0.0, 0.0, 1.0]], [up])[0].as_matrix())
+
+
+def _median_of_medians(groups: Points, values: Points) -> float:
+    """The median of the groups' medians: a stem has many points, but in few groups."""
+    order = np.lexsort((values, groups))
+    starts = np.flatnonzero(np.diff(groups[order], prepend=np.inf))
+    counts = np.diff(starts, append=len(groups))
+    return float(np.median(values[order[starts + counts // 2]]))
