@@ -40,40 +40,18 @@ def spine_deformation(
     """Move the points of an organ from one spine to the other, keeping their offsets from it.
 
     The order of points and landmarks along the spine is kept. Each level is rotated by the smallest
-    rotation between the tangents. All levels then roll about the tangents by one angle, by which
-    the landmarks are aligned as far as they are beside the spine and agree.
-
-    Parameters
-    ----------
-    source, target : (n, 3) and (m, 3) float64
-        The points of the organ in both scans.
-    before, after : Spine
-        Their spines.
-    landmarks : Landmarks
-
-    Returns
-    -------
-    (n, 3) float64
+    rotation between the tangents.
     """
     i, j = landmarks
     knots = _landmark_levels(before.along[i], after.along[j])
     tangents = unit(at_levels(after.tangents, np.interp(levels(), *knots)))
     centers = at_levels(after.nodes, np.interp(before.along, *knots))
-    rotations = rotations_between(before.tangents, tangents)
-    offset = source - at_levels(before.nodes, before.along)
-    target_offset = target - at_levels(after.nodes, after.along)
-    radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offset, target_offset)]
+    rotations = at_levels(rotations_between(before.tangents, tangents), before.along)
+    offsets = source - at_levels(before.nodes, before.along)
+    target_offsets = target - at_levels(after.nodes, after.along)
+    radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offsets, target_offsets)]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
-    rotated = np.einsum("nij,nj->ni", at_levels(rotations, before.along), offset)
-    axes = unit(at_levels(tangents, before.along))
-    binormal = np.cross(axes, rotated)
-    normal = np.cross(binormal, axes)
-    # As many landmarks as there are, at the distance of the other points, are added without a roll.
-    prior = len(i) * radii[0] * radii[1]
-    sine, cosine = (binormal[i] * target_offset[j]).sum(), (normal[i] * target_offset[j]).sum()
-    roll = np.arctan2(sine, cosine + prior)
-    rotated += (np.cos(roll) - 1.0) * normal + np.sin(roll) * binormal
-    return centers + width * rotated
+    return centers + width * np.einsum("nij,nj->ni", rotations, offsets)
 
 
 def _landmark_levels(before: Floats, after: Floats) -> tuple[list[float], list[float]]:
@@ -95,16 +73,6 @@ def register_nonrigid(
     In every iteration, each point is paired with the closest one of the other cloud, in both
     directions, and landmarks with theirs. Around `CENTERS` points, affine maps are fitted to the
     displacements of the pairs by weighted least squares, and the maps are blended.
-
-    Parameters
-    ----------
-    moving, target : (n, 3) and (m, 3) float64
-    landmarks : Landmarks
-
-    Returns
-    -------
-    (n, 3) float64
-        The registered points.
     """
     from scipy.spatial import KDTree
     from scipy.spatial.distance import cdist

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from baker.alignment.keyframes import AlignedSeries, Keyframe
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.movers import Deviation, OrganMovers, OrganPaths, leaving, moving
+from baker.interpolation.movers import OrganMovers, curved, deviation_of, leaving, moving
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import (
     Attachments,
@@ -82,15 +82,18 @@ def interval_jobs(
         Whether organs were found without labels. Most lost organs are then parts of a leaf that is
         segmented differently in the next scan, so they fade instead of falling.
     """
-    keyframes = list(series.keyframes)
+    is_curved, spacings = options.paths == "curved", [near.spacing for near in series.neighbors]
+    clouds, keyframes = [*series.clouds], series.keyframes
+    attachments = organ_attachments(clouds, spacings, matches)
     if options.smooth:
-        keyframes = smooth_organs(keyframes, matches, series.times)
-    curved, spacings = options.paths == "curved", [near.spacing for near in series.neighbors]
+        hierarchies = [matches[0].first, *(match.second for match in matches)]
+        clouds = smooth_organs(clouds, hierarchies, attachments, series.times)
+        frames = zip(keyframes, clouds, strict=True)
+        keyframes = tuple(replace(frame, positions=cloud) for frame, cloud in frames)
+        attachments = organ_attachments(clouds, spacings, matches)
     timings: list[dict[int, Timing]] = [{} for _ in matches]
-    clouds = [frame.positions for frame in keyframes]
-    if curved:
+    if is_curved:
         timings = organ_timings(clouds, matches, series.times, series.spacing)
-    registered = not (options.paper or options.whole)
     chosen = InterpolationOptions(
         transport=TransportOptions(  # in the paper, costs are distances on a plain kNN support
             method="sinkhorn" if options.transport == "sinkhorn" else "exact",
@@ -101,12 +104,11 @@ def interval_jobs(
             iterations=options.iterations,
             feasible=not options.paper,
         ),
-        registered=registered,
-        curved=curved,
+        registered=not (options.paper or options.whole),
+        curved=is_curved,
         even=options.even or 0.0,
         precision=options.precision,
     )
-    attachments = organ_attachments(clouds, spacings, matches)
     decays = _decays(tasks, matches, Motion(options.decay), unlabelled)
     bases = [cloud[k] for cloud, k in zip(series.clouds, series.bases, strict=True)]
     return [
@@ -121,7 +123,7 @@ def interval_jobs(
             vertical=series.vertical,
             decays=decays[k],
             floor=series.floor if Motion.FALL in decays[k].values() else 0.0,
-            attachments=attachments[k],
+            attachments=(attachments[k], attachments[k + 1]),
             spacing=(spacings[k] + spacings[k + 1]) / 2,
             options=chosen,
         )
@@ -210,7 +212,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         Number of threads for the transport of an organ that is larger than a thread's share.
     """
     clouds, options = (job.start.positions, job.end.positions), job.options
-    paths = OrganPaths(clouds[1], job.match.second) if options.curved else None
+    scan = job.match.second
     shapes: Sequence[Mapping[int, OrganShape]] = {}, {}
     if options.registered:
         match = job.match
@@ -219,10 +221,10 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         shapes = list(map(organ_shapes, clouds, *sides))
     sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
-    def solve(task: Task, size: int) -> tuple[OrganMovers, Deviation | None]:
+    def solve(task: Task, size: int) -> OrganMovers:
         if task.event == "loss":
             decay = job.decays[task.organ]
-            return leaving(task, job.start, decay, job.vertical, job.floor), None
+            return leaving(task, job.start, decay, job.vertical, job.floor)
         start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
         motion: OrganMotion | None = None
         parts: Sequence[LeafletPair] = ()
@@ -231,13 +233,16 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         threads = workers if size * workers > sum(sizes) else 1
         plan = correspond(start, end, replace(options.transport, workers=threads), parts)
         moved = moving(task, plan, job.start, job.end, job.timings.get(task.organ))
-        return moved, paths.deviation(task.organ, motion, start, plan.rows) if paths else None
+        if motion is None or not options.curved or task.organ == scan.organs[scan.root]:
+            return moved
+        origin = start.take(plan.rows, axis=0)
+        return replace(moved, deviation=deviation_of(task.organ, motion, origin, clouds[1], scan))
 
     # The largest organs first, so that threads finish at about the same time.
     order = np.argsort(sizes, kind="stable")[::-1]
     solutions = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
-    moved, deviations = zip(*(solutions[k] for k in np.argsort(order)), strict=True)
-    solved = paths.curved(moved, deviations) if paths else list(moved)
+    solved = [solutions[k] for k in np.argsort(order)]
+    solved = curved(solved, scan) if options.curved else solved
     return pack_interval(
         *job.times,
         with_even_density(solved, options.even, map),
@@ -258,8 +263,7 @@ def _register_organ(
         int(((points - shape.attachment) ** 2).sum(axis=1).argmin())
         for points, shape in ((start, source), (end, target))
     ]
-    leaflets = match_leaflets(start, end, (bases[0], bases[1]))
-    if len(leaflets) > 1:
+    if leaflets := match_leaflets(start, end, (bases[0], bases[1])):
         return None, leaflets
     motion = fit_motion(source, target)
     whole = np.arange(len(start)), np.arange(len(end))

@@ -23,7 +23,7 @@ from gclip.pack import Movers, elevate_degree
 Floats = NDArray[np.floating]
 Indices = NDArray[np.integer]
 Deviation = tuple[Floats, dict[int, Floats]]
-"""Deviations at mid-interval: (M, 3) of movers, and (3,) of the attachment of each child."""
+"""Deviations at mid-interval: (M, 3) of movers, and (3,) of each child organ's attachment."""
 
 POINTS_COMPARED = 100  # of a child, to find its attachment point
 
@@ -37,6 +37,7 @@ class OrganMovers:
     area: Floats | None = None  # (M,) at mid-interval; None if no movers are to be added
     start_points: Indices | None = None  # (M,) numbers of the points of the task; None if lost
     end_points: Indices | None = None  # likewise
+    deviation: Deviation | None = None  # from straight paths
 
 
 def moving(
@@ -112,52 +113,40 @@ def _pair(
     return SegmentPair(task.organ, task.event, *points, movers, solver, cost, error, notes)
 
 
-class OrganPaths:
-    """The deviations of the organs of an interval from straight paths.
+def deviation_of(
+    organ: int, motion: OrganMotion, start: Floats, end: Floats, scan: Hierarchy
+) -> Deviation:
+    """The deviation of movers that start at (M, 3) points of an organ.
 
     end, scan: (N, 3) points of the second scan, and its hierarchy.
     """
+    from scipy.spatial import KDTree
 
-    def __init__(self, end: Floats, scan: Hierarchy) -> None:
-        self._end, self._scan = end, scan
-        self._segments = {organ: segment for segment, organ in enumerate(scan.organs)}
+    tree, attached_to = KDTree(motion.deformed), dict[int, int]()
+    for child in scan.children(scan.organs.index(organ)):
+        members = scan.segments[child]
+        if len(members):
+            sample = members[:: max(1, len(members) // POINTS_COMPARED)]
+            distances, nearest = tree.query(end.take(sample, axis=0))
+            attached_to[scan.organs[child]] = int(nearest[np.argmin(distances)])
+    shifts = at_levels(motion.deviations, motion.along[[*attached_to.values()]])
+    return motion.deviation(start), dict(zip(attached_to, shifts, strict=True))
 
-    def deviation(
-        self, organ: int, motion: OrganMotion | None, start: Floats, rows: Indices
-    ) -> Deviation | None:
-        """The deviation of an organ's movers, which start at `rows`; None for the root."""
-        from scipy.spatial import KDTree
 
-        segment = self._segments.get(organ, NO_PARENT)
-        if motion is None or segment == self._scan.root:
-            return None
-        shift = motion.deviation(start).take(rows, axis=0)
-        tree, attached_to = KDTree(motion.deformed), dict[int, int]()
-        for child, members in enumerate(self._scan.segments):
-            if self._scan.parents[child] == segment and len(members):
-                sample = members[:: max(1, len(members) // POINTS_COMPARED)]
-                distances, nearest = tree.query(self._end.take(sample, axis=0))
-                attached_to[child] = int(nearest[np.argmin(distances)])
-        shifts = at_levels(motion.deviations, motion.along[[*attached_to.values()]])
-        return shift, dict(zip(attached_to, shifts, strict=True))
-
-    def curved(
-        self, solved: Sequence[OrganMovers], deviations: Sequence[Deviation | None]
-    ) -> list[OrganMovers]:
-        """Shift the movers of each task by their deviation and by that of their attachment."""
-        segments = [self._segments.get(moved.pair.track) for moved in solved]
-        by_segment = {s: d for s, d in zip(segments, deviations, strict=True) if d is not None}
-        attachment_shift: dict[int, Floats] = {NO_PARENT: np.zeros(3)}
-        for child in self._scan.from_the_root():
-            parent = self._scan.parents[child]
-            of_children = by_segment[parent][1] if parent in by_segment else {}
-            attachment_shift[child] = attachment_shift[parent] + of_children.get(child, 0.0)
-        result = []
-        for moved, segment, deviation in zip(solved, segments, deviations, strict=True):
-            if segment is not None and moved.start_points is not None:
-                shift = np.broadcast_to(attachment_shift[segment], (len(moved.movers), 3))
-                if deviation is not None:
-                    shift = shift + deviation[0]
-                moved = shifted(moved, shift) if shift.any() else moved
-            result.append(moved)
-        return result
+def curved(solved: Sequence[OrganMovers], scan: Hierarchy) -> list[OrganMovers]:
+    """Shift movers by the deviation of their organ and by those of what it grows on."""
+    carried: dict[int, Floats] = {}  # organ -> deviation of its attachment
+    for moved in solved:
+        carried |= moved.deviation[1] if moved.deviation else {}
+    shifts: dict[int, Floats] = {NO_PARENT: np.zeros(3)}  # segment -> sum along its ancestors
+    for child in scan.from_the_root():
+        shifts[child] = shifts[scan.parents[child]] + carried.get(scan.organs[child], 0.0)
+    by_organ = {organ: shifts[segment] for segment, organ in enumerate(scan.organs)}
+    result = []
+    for moved in solved:
+        shift = np.asarray(by_organ.get(moved.pair.track, np.zeros(3)))
+        if moved.deviation is not None:
+            shift = shift + moved.deviation[0]
+        is_straight = moved.start_points is None or not shift.any()
+        result.append(moved if is_straight else shifted(moved, shift))
+    return result

@@ -9,14 +9,13 @@ from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.organ_shapes import OrganShape
 from baker.interpolation.spine import Points, at_levels, fit_spine, unit
 
-# Ranges of the unevenness of a deformation, and of the displacement of the attachment point in
-# organ lengths. Below both, an organ turns evenly in time; above one, it turns as it grows
-# (docs/method.md, "Motion of organs").
+# Range of the unevenness of a deformation. Below it, an organ turns evenly in time; above it, it
+# turns as it grows (docs/method.md, "Motion of organs").
 UNEVENNESS_RANGE = (0.04, 0.1)
-HINGE_RANGE = (0.1, 0.3)
-UNEVENNESS_OF_GROWTH, HINGE_OF_GROWTH = 0.08, 0.2  # subtracted from both per factor e of growth
+UNEVENNESS_OF_GROWTH = 0.08  # subtracted per factor e of growth
 FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # to which the stretch is measured
 POINTS_COMPARED = 100
+MIN_COSINE = -0.9  # between the directions of a segment in both scans, of which the mean is taken
 
 
 @dataclass(frozen=True)
@@ -88,36 +87,24 @@ def mid_spine(start: Points, end: Points, share: float) -> Points:
     share: weight of the longer of both segments for the direction. With 0, a segment has made half
     of its turn; with 1, new tissue lies in the new direction.
     """
-    segments = np.diff(start, axis=0), np.diff(end, axis=0)
-    lengths = [np.linalg.norm(segment, axis=1, keepdims=True) for segment in segments]
-    direction = sum(
-        length**share * unit(segment) for length, segment in zip(lengths, segments, strict=True)
-    )
-    steps = (0.5 * (np.sqrt(lengths[0]) + np.sqrt(lengths[1]))) ** 2 * unit(np.asarray(direction))
+    segments = np.stack([np.diff(start, axis=0), np.diff(end, axis=0)])
+    lengths = np.linalg.norm(segments, axis=2, keepdims=True)
+    directions = unit(segments)
+    steps = np.sqrt(lengths).mean(axis=0) ** 2 * unit((lengths**share * directions).sum(axis=0))
     # Between opposite directions, the smallest rotation is not unique: the chord is used.
-    cosine = (unit(segments[0]) * unit(segments[1])).sum(axis=1, keepdims=True)
-    steps = np.where(cosine < -0.9, 0.5 * (segments[0] + segments[1]), steps)
-    first = 0.5 * (start[0] + end[0])
-    return first + np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
+    cosine = directions.prod(axis=0).sum(axis=1, keepdims=True)
+    steps = np.where(cosine < MIN_COSINE, segments.mean(axis=0), steps)
+    return np.cumsum(np.concatenate([0.5 * (start[:1] + end[:1]), steps]), axis=0)
 
 
 def growth_share(start: Points, end: Points, uneven: float) -> float:
     """The `share` of `mid_spine`: 0 if an organ turns evenly in time, 1 if it turns as it grows.
 
-    It turns evenly if its deformation is even and its attachment point does not move; the more it
-    grows, the less even is any deformation.
-
-    uneven: as `unevenness` returns it.
+    The more an organ grows, the less even is any deformation. uneven: as `unevenness` returns it.
     """
     lengths = [np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum() for nodes in (start, end)]
-    before, after = np.maximum(lengths, 1e-30)
-    growth = abs(float(np.log(after / before)))
-    hinge = float(np.linalg.norm(end[0] - start[0])) / max(before, after)
-    shares = (
-        np.interp(uneven - UNEVENNESS_OF_GROWTH * growth, UNEVENNESS_RANGE, (0.0, 1.0)),
-        np.interp(hinge - HINGE_OF_GROWTH * growth, HINGE_RANGE, (0.0, 1.0)),
-    )
-    return float(max(shares))
+    growth = abs(float(np.diff(np.log(np.maximum(lengths, 1e-30)))[0]))
+    return float(np.interp(uneven - UNEVENNESS_OF_GROWTH * growth, UNEVENNESS_RANGE, (0.0, 1.0)))
 
 
 def unevenness(sample: Points, deformed: Points) -> float:

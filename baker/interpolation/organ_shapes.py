@@ -32,18 +32,13 @@ MAX_STEP = 3.0  # between neighbouring points of one contact, in point spacings
 
 def organ_attachments(
     clouds: Sequence[Cloud], spacings: Sequence[float], matches: Sequence[Match]
-) -> list[tuple[Attachments, Attachments]]:
-    """Find the attachments of the matched organs of each interval in both of its scans.
+) -> list[Attachments]:
+    """Find the attachments of the matched organs in each scan.
 
     Of all contacts of an organ with its parent, one is chosen in each scan so that they move least
     through the series, by a shortest path through the scans.
 
-    Parameters
-    ----------
-    clouds, spacings : sequences of (N, 3) float and float
-        Each scan, and its point spacing.
-    matches : sequence of Match
-        Of each interval.
+    spacings: point spacing of each scan. matches: of each interval.
     """
     hierarchies = [match.first for match in matches] + [matches[-1].second]
     matched = {match.second.organs[b] for match in matches for _, b in match.pairs}
@@ -55,7 +50,7 @@ def organ_attachments(
         candidates = [contacts[scan][organ] for scan in present]
         for scan, contact in zip(present, _least_moving(candidates), strict=True):
             chosen[scan][organ] = contact
-    return list(pairwise(chosen))
+    return chosen
 
 
 def _contacts(
@@ -127,27 +122,11 @@ def organ_shapes(
     attachments: Attachments,
     segments: Iterable[int],
 ) -> dict[int, OrganShape]:
-    """Fit the spines of organs that have enough points and an attachment.
+    """Fit the spines of segments and their ancestors: by organ, if it has an attachment.
 
-    Geodesic distances are measured from the plant base through the parents. So the spine of an
+    Geodesic distances are measured from the (3,) plant base through the parents. So the spine of an
     organ with a long contact, like a leaf of grass in its whorl, starts at the contact's lowest
     point.
-
-    Parameters
-    ----------
-    points : (N, 3) float
-        The scan.
-    hierarchy : Hierarchy
-    base : (3,) float
-        The plant base.
-    attachments : Attachments
-    segments : iterable of int
-        The segments to fit, with their ancestors.
-
-    Returns
-    -------
-    dict of int to OrganShape
-        By organ.
     """
     from scipy.spatial import KDTree
 

@@ -36,13 +36,6 @@ def with_even_density(
     """Repeat movers of an interval where they are sparse, up to `growth` times their number.
 
     Tasks without an area are left unchanged. The added movers of a task follow the others.
-
-    Parameters
-    ----------
-    tasks : sequence of OrganMovers
-    growth : float
-    map : map-like callable
-        Maps over the tasks, in threads.
     """
     areas = [task.area for task in tasks if task.area is not None]
     density = _target_density(np.concatenate(areas), growth) if areas else 0.0
@@ -72,26 +65,26 @@ def _target_density(areas: Floats, growth: float) -> float:
 
 
 def _fill(task: OrganMovers, density: float) -> Movers:
-    """Repeat some of a task's movers, with their inner control points shifted."""
-    movers, degree = task.movers, max(2, len(task.movers.curve) - 1)
+    """Repeat some of a task's movers, on curves of degree 2, with their control points shifted."""
+    movers = task.movers
     if task.area is None or len(movers) <= NEIGHBORS:
         return movers
     middle = position_at(movers.curve, 0.5)
     repeated = _choose_repeated(middle, np.maximum(density * task.area - 1, 0))
     if not len(repeated):
         return movers
-    # The weight of the inner control points at mid-interval is 1 - 2 / 2 ** degree.
-    shift = _displacements(task, middle, repeated) / (1 - 2.0 ** (1 - degree))
 
     def extended(values: Array, shift: Floats | int = 0) -> Array:
         return np.concatenate([values, values.take(repeated, axis=0) + shift], dtype=values.dtype)
 
-    start, *control, end = elevate_degree(movers.curve, degree)
+    start, control, end = elevate_degree(movers.curve, 2)
+    # The weight of the control point at mid-interval is 1/2.
+    control = extended(control, 2.0 * _displacements(task, middle, repeated))
     attributes = {n: getattr(movers, n) for n in ("start_colors", "end_colors", "normals")}
     optional: dict[str, Any] = {n: extended(v) for n, v in attributes.items() if v is not None}
     return replace(
         movers,
-        curve=(extended(start), *(extended(points, shift) for points in control), extended(end)),
+        curve=(extended(start), control, extended(end)),
         tracks=extended(movers.tracks),
         **optional,
     )

@@ -50,19 +50,8 @@ def organ_timings(
 ) -> list[dict[int, Timing]]:
     """Estimate how far organs are beyond the middle of their paths at mid-interval.
 
-    Parameters
-    ----------
-    clouds, times : sequences of (N, 3) float and float
-        The scans and their times.
-    matches : sequence of Match
-        Of each interval.
-    spacing : float
-        Point spacing of the scans.
-
-    Returns
-    -------
-    list of dict of int to Timing
-        For each interval, by organ; organs that move evenly are left out.
+    spacing: point spacing of the scans. Returns a timing by organ for each interval; organs that
+    move evenly are left out.
 
     References
     ----------

@@ -55,8 +55,8 @@ def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> 
     Returns
     -------
     list of LeafletPair
-        A partition of the points of both scans. It is empty if the organ has no leaflets in one of
-        the scans, and has one element, the whole organ, if too few leaflets match.
+        A partition of the points of both scans; empty if the organ has no leaflets in one of the
+        scans, or too few of them match.
     """
     sides: list[Indices] = [np.empty(0, np.intp)] * 2
     for side in sorted((0, 1), key=lambda side: len((start, end)[side])):
@@ -65,19 +65,21 @@ def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> 
             return []
     first, second = sides
     source, pairs = register_leaflets(start, end, attachments, first, second)
-    whole = [LeafletPair(np.arange(len(start)), np.arange(len(end)), (source, end))]
     if len(pairs) < MIN_PAIRS:
-        return whole
+        return []
     start_pair, end_pair = _pair_of(first, pairs[:, 0]), _pair_of(second, pairs[:, 1])
     moved = source + _displacements(source, end, attachments, start_pair, end_pair, len(pairs))
-    start_pair, end_pair = _join_unmatched(first, start_pair, source, second, end_pair, end)
+    start_pair, end_pair = (
+        _with_unmatched(first, start_pair, source, end_pair, end),
+        _with_unmatched(second, end_pair, end, start_pair, source),
+    )
     parts = []
     for part in range(-1, len(pairs)):
         i, j = np.flatnonzero(start_pair == part), np.flatnonzero(end_pair == part)
         if len(i) and len(j):
             parts.append(LeafletPair(i, j, (moved[i], end[j]) if part < 0 else None))
     used = sum(len(part.start) + len(part.end) for part in parts)
-    return parts if used == len(start) + len(end) else whole
+    return parts if used == len(start) + len(end) else []
 
 
 @dataclass(frozen=True)
@@ -107,20 +109,8 @@ def register_leaflets(
     that align the direction of one leaflet with that of another, with or without scaling. The one
     with the highest total score of matched leaflets is chosen.
 
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-    attachments : (int, int)
-        Indices of the attachment points.
-    first, second : (n,) and (m,) intp
-        The leaflet of each point, -1 on the stalk.
-
-    Returns
-    -------
-    registered : (n, 3) float64
-        The points of `start`.
-    pairs : (p, 2) intp
-        The matched leaflets.
+    first, second: (n,) and (m,) the leaflet of each point, -1 on the stalk. Returns the registered
+    points of `start` and the (p, 2) matched leaflets.
     """
     source, target = _Leaflets.of(start, first), _Leaflets.of(end, second)
     origin, base = start[attachments[0]].astype(float), end[attachments[1]].astype(float)
@@ -213,33 +203,21 @@ def _pair_of(leaflet: Indices, matched: Indices) -> Indices:
     return pair[leaflet]  # the leaflet -1 indexes the last element
 
 
-def _join_unmatched(
-    first: Indices,
-    start_pair: Indices,
-    source: Points,
-    second: Indices,
-    end_pair: Indices,
-    target: Points,
-) -> tuple[Indices, Indices]:
+def _with_unmatched(
+    leaflet: Indices, pair: Indices, points: Points, other_pair: Indices, other_points: Points
+) -> Indices:
     """Join each unmatched leaflet to the pair that most of its points are nearest to.
 
     Leaflets that touch may be segmented as one leaflet in one scan and as two in the other.
     """
     from scipy.spatial import KDTree
 
-    joined = start_pair.copy(), end_pair.copy()
-    sides = (
-        (first, start_pair, source, end_pair, target),
-        (second, end_pair, target, start_pair, source),
-    )
-    for pair, (leaflet, given, points, other_pair, other_points) in zip(joined, sides, strict=True):
-        nearest = other_pair[KDTree(other_points).query(points)[1]]
-        for unmatched in np.unique(leaflet[(given < 0) & (leaflet >= 0)]):
-            members = np.flatnonzero(leaflet == unmatched)
-            votes = np.bincount(nearest[members] + 1)
-            votes[0] = 0
-            if votes.max() >= MAJORITY * len(members):
-                pair[members] = int(votes.argmax()) - 1
+    joined, nearest = pair.copy(), other_pair[KDTree(other_points).query(points)[1]]
+    for unmatched in np.unique(leaflet[(pair < 0) & (leaflet >= 0)]):
+        members = np.flatnonzero(leaflet == unmatched)
+        votes = np.bincount(nearest[members] + 1, minlength=2)[1:]
+        if votes.max() >= MAJORITY * len(members):
+            joined[members] = votes.argmax()
     return joined
 
 

@@ -39,21 +39,11 @@ def plant_motions(organs: Sequence[OrganDescriptors], span: int) -> dict[tuple[i
 
 
 def plant_motion(first: OrganDescriptors, second: OrganDescriptors) -> Floats:
-    """Estimate the rigid motion of a plant between two scans.
+    """(4, 4) rigid motion of a plant from the first scan to the second.
 
     Candidates are no motion, and motions that register the plant bases and the directions of two
     organs from there. The one with the largest total score of matched organs is chosen. Rotations
     are penalised, since a plant may look alike from several sides.
-
-    Parameters
-    ----------
-    first, second : OrganDescriptors
-
-    Returns
-    -------
-    (4, 4) float64
-        From the coordinates of the first scan to those of the second; the identity if the organs
-        are not matched better by any rotation.
     """
     first, second = first.largest(MAX_ORGANS), second.largest(MAX_ORGANS)
     best, best_score = np.eye(4), _total_score(first, second)

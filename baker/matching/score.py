@@ -97,21 +97,10 @@ def shape_scores(
     cosines: NDArray[np.float64],
     penalty: NDArray[np.float64] | float = 0.0,
 ) -> NDArray[np.float64]:
-    """Score pairs of organs by their distances, directions and sizes.
+    """Score pairs of n and m organs, as `match_scores` does, by distance, direction and size.
 
-    Parameters
-    ----------
-    young, old : OrganDescriptors
-        Of n and m organs.
-    distance, cosines : (..., n, m) float64
-        Distances between organs, in length units, and cosines between their directions.
-    penalty : (n, m) float64, optional
-        For other differences.
-
-    Returns
-    -------
-    (..., n, m) float64
-        As in `match_scores`.
+    distance, cosines: (..., n, m) distances between organs, in length units, and cosines between
+    their directions. penalty: (n, m), for other differences.
     """
     size = _organ_size(young, old)
     young_size, old_size, distance = young.sizes[:, None] / size, old.sizes / size, distance / size
@@ -131,25 +120,13 @@ def _organ_size(young: OrganDescriptors, old: OrganDescriptors) -> float:
 def neighbor_displacements(
     young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp], plant: float
 ) -> NDArray[np.float64]:
-    """Estimate the displacement of each organ from those of its neighbours.
+    """(n, 3) displacement of each young organ, estimated from those of its neighbours.
 
     It is the weighted geometric median of the displacements of their attachment points, by
     Weiszfeld's algorithm, on which a wrongly matched neighbour has little influence. The organ
     itself is left out, so that a wrong match does not confirm itself.
 
-    Parameters
-    ----------
-    young, old : OrganDescriptors
-        Of n and m organs.
-    pairs : (p, 2) intp
-        Matched organs.
-    plant : float
-        Size of the plant's organs, in length units.
-
-    Returns
-    -------
-    (n, 3) float64
-        In length units.
+    pairs: (p, 2) matched organs. plant: the size of the plant's organs, in length units.
     """
     from scipy.spatial.distance import cdist
 

@@ -94,17 +94,9 @@ def chain_organs(
 ) -> list[NDArray[np.int64]]:
     """Chain organs into tracks of the largest total score.
 
-    Parameters
-    ----------
-    distances : sequence of (n,) float
-        From the plant base, of the organs of each scan.
-    scores : mapping of (int, int) to (n, m) float64
-        By an earlier and a later scan, of each pair of their organs; only positive ones are linked.
-
-    Returns
-    -------
-    list of (n,) int64
-        The track number of each organ, by first appearance, then by distance.
+    distances: (n,) from the plant base, of the organs of each scan. scores: by an earlier and a
+    later scan, of each pair of their organs; only positive ones are linked. Returns the (n,) track
+    numbers of the organs of each scan, by first appearance, then by distance.
     """
     starts = np.cumsum([0, *map(len, distances)])
     scan = np.repeat(np.arange(len(distances)), np.diff(starts))

@@ -26,20 +26,19 @@ def plant(droop: float) -> np.ndarray:
     return np.concatenate([stem, arch(15.0, droop)[::-1]])  # the tip first, and so its contact
 
 
-def attachments_of(clouds: list[np.ndarray]) -> list[tuple[np.ndarray, np.ndarray]]:
+def attachments_of(clouds: list[np.ndarray]) -> list[np.ndarray]:
     parts = np.arange(STEM), np.arange(STEM, STEM + LEAF)
     hierarchy = Hierarchy(parts, (0, 1), (NO_PARENT, 0), 0, organs=(0, 1))
     match = Match(hierarchy, hierarchy, ((0, 0), (1, 1)), (), ())
     count = len(clouds) - 1
     found = organ_attachments(clouds, [0.15] * len(clouds), [match] * count)
-    return [(first[1].mean(axis=0), second[1].mean(axis=0)) for first, second in found]
+    return [attachments[1].mean(axis=0) for attachments in found]
 
 
 @pytest.mark.parametrize("droops", [(0.0, 1.0), (1.0, 0.0), (0.0, 1.0, 1.0), (1.0, 1.0, 0.0)])
 def test_a_tip_that_touches_the_stem_is_no_attachment(droops: tuple[float, ...]) -> None:
-    for before, after in attachments_of([plant(droop) for droop in droops]):
-        assert before[2] == pytest.approx(HEIGHT, abs=1.5)
-        assert after[2] == pytest.approx(HEIGHT, abs=1.5)
+    for attachment in attachments_of([plant(droop) for droop in droops]):
+        assert attachment[2] == pytest.approx(HEIGHT, abs=1.5)
 
 
 def test_what_is_born_has_none() -> None:
@@ -48,6 +47,6 @@ def test_what_is_born_has_none() -> None:
     first = Hierarchy(parts[:1], (0,), (NO_PARENT,), 0, organs=(0,))
     match = Match(first, second, ((0, 0),), (1,), ())
     clouds = [plant(0.0)[:STEM], plant(0.0)]
-    ((before, after),) = organ_attachments(clouds, [0.15, 0.15], [match])
+    before, after = organ_attachments(clouds, [0.15, 0.15], [match])
     assert not before
     assert not after

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from baker.interpolation.movers import OrganMovers, OrganPaths
+from baker.interpolation.movers import OrganMovers, curved, deviation_of
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import organ_shapes
 from baker.matching import Match
@@ -27,18 +29,13 @@ def plant(u: float) -> np.ndarray:
     return np.concatenate([stem, blade, tip + rng.normal(0, 1, (100, 3))]).astype(np.float32)
 
 
-def paths_of(clouds: list[np.ndarray], match: Match) -> OrganPaths:
-    return OrganPaths(clouds[1], match.second)
-
-
-def motions_of(clouds: list[np.ndarray], match: Match) -> list[OrganMotion | None]:
-    """Of the stem, its leaf, the ball and the new ball."""
+def leaf_motion(clouds: list[np.ndarray], match: Match) -> OrganMotion:
     places = {1: np.zeros((1, 3))}
     shapes = [
         organ_shapes(cloud, hierarchy, cloud[np.argmin(cloud[:, 2])], places, [0, 1])
         for cloud, hierarchy in zip(clouds, (match.first, match.second), strict=True)
     ]
-    return [*(fit_motion(shapes[0][organ], shapes[1][organ]) for organ in (0, 1)), None, None]
+    return fit_motion(shapes[0][1], shapes[1][1])
 
 
 @pytest.fixture(scope="module")
@@ -54,13 +51,10 @@ def baked() -> tuple[list[np.ndarray], Match, list[OrganMovers], list[OrganMover
         movers = Movers(Motion.MOVE, (clouds[0][a], clouds[1][members]), np.full(len(a), organ))
         pair = SegmentPair(organ, "match", len(a), len(members), len(a))
         tasks.append(OrganMovers(movers, pair, None, a, members))
-    paths = paths_of(clouds, match)
-    starts = [task.movers.curve[0] for task in tasks]
-    rows = [np.arange(len(start)) for start in starts]
-    deviations = list(map(paths.deviation, range(4), motions_of(clouds, match), starts, rows))
-    assert deviations[0] is None
-    assert deviations[1] is not None
-    return clouds, match, tasks, paths.curved(tasks, deviations)
+    motion, origin = leaf_motion(clouds, match), tasks[1].movers.curve[0]
+    deviation = deviation_of(1, motion, origin, clouds[1], match.second)
+    bent = [tasks[0], replace(tasks[1], deviation=deviation), *tasks[2:]]
+    return clouds, match, tasks, curved(bent, match.second)
 
 
 def middle(moved: OrganMovers) -> np.ndarray:
