@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.matching.corrections import PointCorrection
+from baker.matching.merging import merge_parts
 from baker.matching.tracking import track_organs
 from baker.scans.scan import Finding
+from baker.segmentation.from_labels import coarse_hierarchies
 from baker.segmentation.hierarchy import Hierarchy, split_by_label
 
 Points = NDArray[np.floating]
@@ -107,16 +109,20 @@ def label_policy(
                 "organs of a plant; choose another field with --label-field, or read the scans "
                 "without labels (--labels ignore)."
             )
-    consistent, doubt, alternative = requested == "consistent", "", ""
-    if requested == "auto":
-        base_points = [root_points[k] for k in given]
-        agreement = label_agreement([clouds[k] for k in given], present, base_points)
-        consistent = agreement >= MIN_AGREEMENT
-        if DOUBTFUL_AGREEMENT[0] < agreement < DOUBTFUL_AGREEMENT[1]:
-            doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
-            alternative = f"--labels {'independent' if consistent else 'consistent'}"
-    found = _describe(field, counts, len(labels), consistent, is_asked=requested != "auto")
-    return LabelUse(tuple(labels), consistent, (Finding("labels", found, doubt, alternative),))
+    if requested != "auto":
+        consistent = requested == "consistent"
+        found = _describe(field, counts, len(labels), consistent, is_asked=True)
+        return LabelUse(tuple(labels), consistent, (Finding("labels", found),))
+    base_points = [root_points[k] for k in given]
+    agreement = label_agreement([clouds[k] for k in given], present, base_points)
+    consistent = agreement >= MIN_AGREEMENT
+    finding = Finding("labels", _describe(field, counts, len(labels), consistent, is_asked=False))
+    low, high = DOUBTFUL_AGREEMENT
+    if low < agreement < high:
+        doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
+        option = f"--labels {'independent' if consistent else 'consistent'}"
+        finding = replace(finding, doubt=doubt, option=option)
+    return LabelUse(tuple(labels), consistent, (finding,))
 
 
 def _describe(
@@ -151,13 +157,23 @@ def follow_labels(
     Returns
     -------
     LabelUse
-        With the track number of every point. If labels are consistent and only missing in some
-        scans, an organ there gets the label of its track in the nearest scan with labels.
+        With the track number of every point; an organ that one scan cuts finer than its neighbours
+        is one organ. If labels are consistent and only missing in some scans, an organ there gets
+        the label of its track in the nearest scan with labels.
     """
     unlabelled = not use.given
     tracks = track_organs(clouds, hierarchies, root_points, unlabelled, corrections)
     if use.consistent:
         return replace(use, labels=tuple(_complete_labels(use.labels, tracks)))
+    if not unlabelled:
+        corrected = [place for correction in corrections for place in correction.places]
+        merged = merge_parts(
+            clouds, tracks, {int(tracks[scan][point]) for scan, point in corrected}
+        )
+        if any(map(np.any, map(np.not_equal, merged, tracks))):
+            # A part may have been linked to another organ of the next scan.
+            hierarchies = coarse_hierarchies(clouds, merged, root_points)
+            tracks = track_organs(clouds, hierarchies, root_points, corrections=corrections)
     return replace(use, labels=tuple(tracks), consistent=True, renamed=True, unlabelled=unlabelled)
 
 
@@ -182,7 +198,14 @@ def label_agreement(
 
     It is 1 if no other labels would reduce the distances between organs of the same label in
     successive scans, and 0 if random labels would give the same distances (like Cohen's kappa). The
-    stem, the label at most plant bases, is left out: it is often 0 even if others are random.
+    stem is left out if it has the same label in most scans: it is often 0 even if other labels are
+    random.
+
+    Parameters
+    ----------
+    clouds, labels : sequences of (N, 3) float and (N,) int ndarrays
+    root_points : sequence of int
+        Index of the point at the plant base, for each scan.
     """
     from scipy.optimize import linear_sum_assignment
     from scipy.spatial.distance import cdist

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from baker.errors import InputError
+from baker.matching.corrections import PointCorrection
 from baker.matching.labels import MIN_AGREEMENT, follow_labels, label_agreement, label_policy
 from baker.segmentation.from_labels import hierarchy_from_labels
 
@@ -29,7 +30,7 @@ def series():
     return [points for points, _ in scans], [labels for _, labels in scans]
 
 
-def tracked(clouds, labels, requested="independent"):
+def tracked(clouds, labels, requested="independent", corrections=()):
     """Each point's track, the labels being numbered anew in every scan."""
     bases, names = [0] * len(clouds), [f"scan {k}" for k in range(len(clouds))]
     use = label_policy(labels, names, clouds, bases, requested)
@@ -38,7 +39,7 @@ def tracked(clouds, labels, requested="independent"):
         hierarchy_from_labels(cloud, own, int(own[0]))
         for cloud, own in zip(clouds, labels, strict=True)
     ]
-    use = follow_labels(use, clouds, hierarchies, bases)
+    use = follow_labels(use, clouds, hierarchies, bases, corrections)
     assert use.consistent
     assert use.renamed
     return use.labels
@@ -109,6 +110,28 @@ def test_birth_and_loss_in_one_interval(series):
     lost = named[0][truth[0] == 1][0]
     assert lost not in named[1]
     assert named[1].max() == named[0].max() + 1
+
+
+def test_an_organ_that_one_scan_cuts_in_two_is_one_organ(series):
+    clouds, truth = series
+    pieces = [labels.copy() for labels in truth]
+    pieces[3][(truth[3] == 0) & (clouds[3][:, 2] > 7)] = 99
+    named = tracked(clouds, pieces)
+    assert len(np.unique(named[3][truth[3] == 0])) == 1
+    assert np.unique(named[3]).tolist() == np.unique(tracked(clouds, truth)[3]).tolist()
+
+
+def test_parts_that_were_cut_by_hand_or_found_by_shape_stay_apart(series):
+    clouds, truth = series
+    pieces = [labels.copy() for labels in truth]
+    pieces[3][(truth[3] == 0) & (clouds[3][:, 2] > 7)] = 99
+    top = int(np.flatnonzero(pieces[3] == 99)[0])
+    cut = PointCorrection("Correction 1 (cut)", "cut", ((3, top),))
+    for named in (
+        tracked(clouds, pieces, corrections=[cut]),
+        tracked(clouds, pieces, requested="ignore"),
+    ):
+        assert len(np.unique(named[3])) == len(np.unique(pieces[3]))
 
 
 def test_the_policy_says_why(series):
