@@ -29,6 +29,17 @@ class Alignment:
     bases: tuple[NDArray[np.float64], ...]  # (3,) plant base of each scan, in the common frame
     findings: tuple[Finding, ...] = ()  # about the up axis, the frame and unlike scans
 
+    @property
+    def moves(self) -> list[tuple[float, float]]:
+        """The rotation of each scan in degrees, and the distance that its base was moved."""
+        moves = []
+        for transform, base in zip(self.transforms, self.bases, strict=True):
+            original = np.linalg.solve(transform, np.append(base, 1.0))[:3]
+            cosine = np.clip((np.trace(transform[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)
+            angle = float(np.degrees(np.arccos(cosine)))
+            moves.append((angle, float(np.linalg.norm(base - original))))
+        return moves
+
 
 def align(
     series: Series,
