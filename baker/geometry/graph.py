@@ -62,7 +62,9 @@ def connected_knn_graph(points: Points, k: int, neighbors: Neighbors | None = No
 def segment_gaps(
     points: Points, labels: NDArray[np.integer], neighbors: Neighbors | None = None
 ) -> Gaps:
-    """Find the segments that are adjacent in the connected kNN graph, and the gaps between them.
+    """Find the segments that are adjacent in the kNN graph, and the gaps between them.
+
+    If that does not connect all segments, the connected kNN graph is taken.
 
     Parameters
     ----------
@@ -74,15 +76,24 @@ def segment_gaps(
         The length of the shortest edge between two segments, in point spacings. All segments are
         connected, directly or by others.
     """
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import connected_components
+
     neighbors = neighbors or nearest_neighbors(points)
-    edges = connected_knn_graph(points, neighbors.indices.shape[1], neighbors).tocoo()
     names, segment = np.unique(labels, return_inverse=True)
-    ends = np.sort(segment[np.stack([edges.row, edges.col])], axis=0)
+    row, column = np.nonzero(segment[neighbors.indices] != segment[:, None])
+    ends = segment[np.stack([row, neighbors.indices[row, column]])]
+    lengths = neighbors.distances[row, column].astype(np.float64)
+    count = len(names)
+    if connected_components(csr_matrix((lengths > -1, ends), (count, count)), False)[0] > 1:
+        edges = connected_knn_graph(points, neighbors.indices.shape[1], neighbors).tocoo()
+        ends, lengths = segment[np.stack([edges.row, edges.col])], edges.data
     is_between = ends[0] != ends[1]
-    pairs, number = np.unique((ends[0] * len(names) + ends[1])[is_between], return_inverse=True)
+    ends, lengths = np.sort(ends[:, is_between], axis=0), lengths[is_between]
+    pairs, number = np.unique(ends[0] * count + ends[1], return_inverse=True)
     gaps = np.full(len(pairs), np.inf)
-    np.minimum.at(gaps, number, edges.data[is_between] / max(neighbors.spacing, MIN_LENGTH))
-    first, second = (names[side].tolist() for side in np.divmod(pairs, len(names)))
+    np.minimum.at(gaps, number, lengths / max(neighbors.spacing, MIN_LENGTH))
+    first, second = (names[side].tolist() for side in np.divmod(pairs, count))
     adjacent = dict(zip(zip(first, second, strict=True), gaps.tolist(), strict=True))
     return adjacent | {(b, a): gap for (a, b), gap in adjacent.items()}
 

@@ -1,8 +1,9 @@
 """Choose the field of a series that labels its organs, and drop the points of unwanted labels.
 
 The choice is made for all scans together. A field that is constant or holds fractions does not
-label organs, nor does one whose values each occur in several separate places: they are classes
-(stem, leaf), heights or intensities. A field of unknown name is used only if no other is found.
+label organs; one whose values each occur in several separate places labels classes (stem, leaf),
+not organs. A field of unknown name is used only if no other is found, and if neighbouring points
+share its values as they share organs.
 """
 
 import re
@@ -14,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError, excerpt
-from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike
+from baker.scans.label_statistics import MIN_SAMPLE, label_statistics
 from baker.scans.scan import Finding, Scan
 from baker.scans.times.schedule import natural_key
 
@@ -32,12 +33,13 @@ NEUTRAL_WORDS = {"scalar", "field", "id", "index", "number", "no", "name", "gt",
 NEUTRAL_WORDS |= {"plant"}
 GROUND_WORDS = {"soil", "ground", "pot", "background", "floor", "table", "tray", "turntable"}
 NO_LABEL = {"", "nan", "none", "null", "na", "unlabelled", "unlabeled", "unclassified", "noise"}
-SAMPLED_SCANS = 3  # scans of a series in which the places of labels are counted
-NEIGHBORS, MIN_SAMPLE, MAX_SAMPLE = 8, 100, 10_000  # nearest neighbours; points of each scan
-# In 23 real series an organ's label is in 1.04 places at most (in 22 of 23 up to 1.25, where one
-# point in ten has a random label); stem and leaf in 1.13 to 5, in 19 of 20 more than 1.25; heights
-# and other coordinates in steps in 1.39 or more, random numbers in 30 or more.
-MAX_PLACES = 1.25
+CLASSES = {"leaf", "leaves", "leaflet", "leaflets", "petiole", "petioles"}  # a plant has several
+SAMPLED_SCANS = 3  # scans of a series of which the neighbourhoods are examined
+# In 20 real series, neighbours agree on the labels by 0.9 or more, and a label has 1.1 connected
+# components at most; classes (stem, leaf) have 1.2 (two grasses) to 5, heights in steps 1.5 to 4.
+MIN_AGREEMENT = 0.5  # Cohen's kappa of nearest neighbours
+MAX_COMPONENTS, MAX_COMPONENTS_OF_FEW, FEW_VALUES = 2.0, 1.25, 3  # few: so many values or fewer
+MAX_STEPS = 0.9  # share of unlike neighbours that differ by one; heights or scan lines have more
 
 
 def label_rank(name: str) -> int | None:
@@ -57,35 +59,52 @@ def choose_labels(
 ) -> tuple[list[Scan], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
-    `is_asked`: the user named the field, which is used whatever its values look like. `are_needed`:
-    the user said that there are labels; a field with a known name is then not doubted. `map` maps
-    over the scans, in threads.
+    Parameters
+    ----------
+    scans : sequence of Scan
+    is_asked : bool
+        Whether the user named the field; it is used whatever its values look like.
+    are_needed : bool
+        Whether the user said that there are labels; a field with a known name is then not doubted.
+    map : map-like callable
+        Maps over the scans, in threads.
 
-    Returns the scans, the names of the fields used ("" where there are no labels), the word for
-    each label where the fields hold words, and why other fields were not used. Raises InputError if
-    the field that the user named holds neither whole numbers nor words.
+    Returns
+    -------
+    scans : list of Scan
+    fields : str
+        The names of the fields used, "" where there are no labels.
+    words : dict
+        Label -> word, where the fields hold words.
+    findings : tuple of Finding
+        The fields that were not used, and why.
+
+    Raises
+    ------
+    InputError
+        If the field that the user named holds neither whole numbers nor words.
     """
     names: list[str] = []
     findings: list[Finding] = []
     for name in sorted({name for scan in scans for name in scan.fields}, key=_order):
         having = [scan for scan in scans if name in scan.fields]
         is_known = label_rank(name) is not None
+        may_be_taken = is_known or (not names and min(len(scan) for scan in having) >= MIN_SAMPLE)
         if is_asked:
-            if found := _first_fraction(name, having):
-                raise InputError(
-                    f"'{found[0].path}': the field '{excerpt(name)}' holds {found[1]:g}, but "
-                    "labels must be whole numbers or words; choose another field with "
-                    "--label-field, or read the scans without labels (--labels ignore)."
-                )
-        elif not is_known and (names or min(map(len, having)) < MIN_SAMPLE):
-            continue
-        elif objection := _objection(name, having, is_known and are_needed, map):
-            findings += [objection] if is_known and not names else []
-            continue
-        elif not is_known:
-            reason = "is taken for labels: each of its values is in one place, as an organ is"
-            findings.append(_finding(name, reason, "its name does not say so", "--labels ignore"))
-        names.append(name)
+            _require_whole(name, having)
+            names.append(name)
+        elif may_be_taken:
+            objection = _objection(name, having)
+            if not objection and not (is_known and are_needed):
+                objection = _doubt(name, having, map)
+            if not objection:
+                names.append(name)
+                if not is_known:
+                    reason = "is taken for labels: its values lie together as those of organs do"
+                    doubt = "its name does not say so"
+                    findings.append(_finding(name, reason, doubt, "--labels ignore"))
+            elif is_known and not names:
+                findings.append(objection)
     chosen = [next((name for name in names if name in scan.fields), "") for scan in scans]
     values = {k: scans[k].fields[name] for k, name in enumerate(chosen) if name}
     numbers, words = _numbered(values if is_asked else _without_unlabelled(values))
@@ -102,9 +121,19 @@ def drop_labels(
 ) -> tuple[list[Scan], tuple[Finding, ...]]:
     """Remove the points of the labels that the user drops, and of soil, pots and the like.
 
-    `scans` and `words` are those of `choose_labels`, `dropped` lists labels, separated by commas;
-    with `keep_ground` labels of `GROUND_WORDS` stay. Raises InputError if no scan has a label of
-    `dropped`, or a scan has no other labels.
+    Parameters
+    ----------
+    scans, words
+        As `choose_labels` returns them.
+    dropped : str
+        Labels to drop, separated by commas.
+    keep_ground : bool
+        Whether labels of `GROUND_WORDS` stay.
+
+    Raises
+    ------
+    InputError
+        If no scan has a label of `dropped`, or a scan has no other labels.
     """
     asked = set(filter(None, dropped.lower().split(",")))
     ground = set() if keep_ground else GROUND_WORDS
@@ -138,63 +167,62 @@ def _order(name: str) -> tuple[int, str]:
     return (len(RANKS) if rank is None else rank), name
 
 
-def _first_fraction(name: str, scans: Sequence[Scan]) -> tuple[Scan, float] | None:
-    """The first number of a field that can't be a label, with its scan; None if all can."""
+def _fraction(values: NDArray) -> float | None:
+    """The first number that can't be a label; None if all values can."""
+    if values.dtype.kind in "iU":
+        return None
+    with np.errstate(invalid="ignore"):
+        is_whole = (values == np.rint(values)) & (np.abs(values) < 2.0**63)
+    is_label = is_whole | np.isnan(values)
+    return None if is_label.all() else float(values[~is_label][0])
+
+
+def _require_whole(name: str, scans: Sequence[Scan]) -> None:
+    """Raise InputError where the field that the user named holds a number that is no label."""
     for scan in scans:
-        values = scan.fields[name]
-        if values.dtype.kind not in "iU":
-            with np.errstate(invalid="ignore"):
-                is_whole = (values == np.rint(values)) & (np.abs(values) < 2.0**63)
-            is_label = is_whole | np.isnan(values)
-            if not is_label.all():
-                return scan, float(values[~is_label][0])
+        if (value := _fraction(scan.fields[name])) is not None:
+            raise InputError(
+                f"'{scan.path}': the field '{excerpt(name)}' holds {value:g}, but "
+                "labels must be whole numbers or words; choose another field with --label-field, "
+                "or read the scans without labels (--labels ignore)."
+            )
+
+
+def _objection(name: str, scans: Sequence[Scan]) -> Finding | None:
+    """The reason why the values of a field can't be labels of organs; None if they can."""
+    values = [scan.fields[name] for scan in scans]
+    fraction = next((found for found in map(_fraction, values) if found is not None), None)
+    if fraction is not None:
+        return _finding(name, f"is not used, as it holds {fraction:g}, which is no whole number")
+    distinct_of_scan = [np.unique(labels) for labels in values]
+    distinct = np.unique(np.concatenate(distinct_of_scan))
+    if len(distinct) == 1:
+        value = str(distinct[0]).strip().lower().removesuffix(".0")
+        return _finding(name, f"is not used, as it is {value} everywhere")
+    if max(map(len, distinct_of_scan)) == 1:
+        return _finding(name, "is not used, as it is one number in each scan")
     return None
 
 
-def _objection(name: str, scans: Sequence[Scan], is_trusted: bool, map: MapLike) -> Finding | None:
-    """The reason why a field can't or does not seem to label organs; None if there is none.
-
-    is_trusted: whether it labels organs if it can.
-    """
-    if found := _first_fraction(name, scans):
-        return _finding(name, f"is not used, as it holds {found[1]:g}, which is no whole number")
+def _doubt(name: str, scans: Sequence[Scan], map: MapLike) -> Finding | None:
+    """The reason why a field does not seem to label organs; None if it does."""
     values = [scan.fields[name] for scan in scans]
-    distinct = [np.unique(labels) for labels in values]
-    if len(np.unique(np.concatenate(distinct))) == 1:
-        value = str(distinct[0][0]).strip().lower().removesuffix(".0")
-        return _finding(name, f"is not used, as it is {value} everywhere")
-    if max(map(len, distinct)) == 1:
-        return _finding(name, "is not used, as it is one number in each scan")
-    if is_trusted:
+    distinct = np.unique(np.concatenate([np.unique(labels) for labels in values]))
+    texts = [str(value).strip().lower() for value in distinct]
+    sampled = np.unique(np.linspace(0, len(scans) - 1, SAMPLED_SCANS).astype(int))
+    samples = [scans[k].points for k in sampled], [values[k] for k in sampled]
+    agreement, components, steps = np.mean(list(map(label_statistics, *samples)), axis=0)
+    are_kinds = bool(CLASSES & {*texts}) and not re.search(r"\d", "".join(texts))
+    max_components = MAX_COMPONENTS_OF_FEW if len(distinct) <= FEW_VALUES else MAX_COMPONENTS
+    if agreement < MIN_AGREEMENT:
+        doubt = f"its {len(distinct)} values are mixed among neighbours, as an intensity's are"
+    elif steps > MAX_STEPS:
+        doubt = "its values change by one from point to point, as heights or scan lines do"
+    elif components > max_components or are_kinds:
+        doubt = "it seems to tell kinds of organs (stem, leaf) and not one organ from another"
+    else:
         return None
-    step = -(-len(scans) // SAMPLED_SCANS)
-    places = map(_places, [scan.points for scan in scans[::-step]], values[::-step])
-    if (mean := float(np.mean(list(places)))) <= MAX_PLACES:
-        return None
-    doubt = f"its values are in {mean:.1f} places each, as kinds of organs (stem, leaf) are"
     return _finding(name, "is not used", doubt, f"--label-field '{name}'")
-
-
-def _places(points: NDArray[np.floating], labels: NDArray) -> float:
-    """The number of connected components of a point's label in the kNN graph, on average.
-
-    The number is effective (the inverse Simpson index), so that small components count little.
-    """
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components
-
-    step = -(-len(points) // MAX_SAMPLE)
-    points = points[::step]
-    _, label, count = np.unique(labels[::step], return_inverse=True, return_counts=True)
-    if len(points) < MIN_SAMPLE or len(count) == 1:
-        return 1.0
-    neighbors = nearest_neighbors(points, NEIGHBORS).indices
-    source, k = np.nonzero(label[neighbors] == label[:, None])
-    graph = csr_array((np.ones(len(source)), (source, neighbors[source, k])), (len(points),) * 2)
-    _, component = connected_components(graph, directed=False)
-    _, first, size = np.unique(component, return_index=True, return_counts=True)
-    places = count**2 / np.bincount(label[first], size.astype(float) ** 2)
-    return float(np.average(places, weights=count))
 
 
 def _finding(name: str, predicate: str, doubt: str = "", option: str = "") -> Finding:

@@ -1,0 +1,60 @@
+"""Statistics that tell labels of organs from other fields, such as heights or classes."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from baker.geometry.neighbors import nearest_neighbors
+
+NEIGHBORS, MIN_SAMPLE, MAX_SAMPLE = 8, 100, 10_000  # nearest neighbours; points of each scan
+MIN_POINTS_OF_LABEL = 30  # the components of smaller labels are not counted
+
+
+def label_statistics(points: NDArray[np.floating], labels: NDArray) -> tuple[float, float, float]:
+    """Measure how the labels of a scan are spread over its kNN graph.
+
+    Parameters
+    ----------
+    points : (N, 3) float
+    labels : (N,) ndarray
+        Numbers or words.
+
+    Returns
+    -------
+    agreement : float
+        Cohen's kappa of the labels of nearest neighbours.
+    components : float
+        The median number of connected components of a label. The number is effective (the inverse
+        Simpson index), so that small components count little.
+    steps : float
+        Of the nearest neighbours that differ, the share that differs by one; 0 if labels are few.
+    """
+    from scipy.sparse import csr_array
+    from scipy.sparse.csgraph import connected_components
+
+    step = -(-len(points) // MAX_SAMPLE)
+    points = points[::step]
+    distinct, label = np.unique(labels[::step], return_inverse=True)
+    if len(points) < MIN_SAMPLE or len(distinct) == 1:
+        return 1.0, 1.0, 0.0
+    neighbors = nearest_neighbors(points, NEIGHBORS).indices
+    same = label[neighbors] == label[:, None]
+    counts = np.bincount(label)
+    by_chance = float(((counts / len(label)) ** 2).sum())
+    agreement = (same[:, 0].mean() - by_chance) / (1.0 - by_chance)
+
+    source, k = np.nonzero(same)
+    graph = csr_array((np.ones(len(source)), (source, neighbors[source, k])), (len(points),) * 2)
+    _, component = connected_components(graph, directed=False)
+    _, first, size = np.unique(component, return_index=True, return_counts=True)
+    components = counts**2 / np.bincount(label[first], size.astype(float) ** 2)
+    is_large = counts >= MIN_POINTS_OF_LABEL  # a few points are separate by chance
+    median = 1.0
+    if is_large.any():  # over labels, or over points if that is more
+        of_points = np.repeat(components[is_large], counts[is_large])
+        median = max(np.median(components[is_large]), np.median(of_points))
+
+    steps = 0.0
+    if len(distinct) > NEIGHBORS and not same[:, 0].all():
+        differences = np.abs(label[neighbors[:, 0]] - label)[~same[:, 0]]
+        steps = float((differences == 1).mean())
+    return float(agreement), float(median), steps
