@@ -245,7 +245,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     solved = curved(solved, scan) if options.curved else solved
     return pack_interval(
         *job.times,
-        with_even_density(solved, options.even, map),
+        with_even_density(solved, options.even),
         spacing=job.spacing,
         precision=options.precision,
         segments=tuple(m.pair for m in solved),

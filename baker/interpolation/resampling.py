@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.parallel import MapLike
 from gclip.evaluate import bernstein
 from gclip.morton import morton_order
 from gclip.pack import Movers, elevate_degree
@@ -30,9 +29,7 @@ Array = NDArray[Any]
 Floats = NDArray[np.floating]
 
 
-def with_even_density(
-    tasks: Sequence[OrganMovers], growth: float, map: MapLike = map
-) -> list[Movers]:
+def with_even_density(tasks: Sequence[OrganMovers], growth: float) -> list[Movers]:
     """Repeat movers of an interval where they are sparse, up to `growth` times their number.
 
     Tasks without an area are left unchanged. The added movers of a task follow the others.
