@@ -34,15 +34,15 @@ def check(path: str | os.PathLike[str]) -> Report:
         clip_in(container, document)
     except ClipError as error:
         findings.append(str(error))
-    said = "no checksums: it was written before format 1.1"
+    checksums = "no checksums: it was written before format 1.1"
     if written := document.sha256:
         blanked = container.text.replace(written.get(DOCUMENT, BLANK), BLANK)
         parts = {**container.buffers, DOCUMENT: blanked.encode()}
         wrong = [name[:40] for name, part in parts.items() if checksum(part) != written.get(name)]
         findings += [f'"{n}" does not have the checksum that was written with it' for n in wrong]
-        said = f"{len(written)} checksums agree"
+        checksums = f"{len(written)} checksums agree"
     contents = (
         f"{len(document.scans)} scans, {len(document.intervals)} intervals, "
-        f"{len(container.buffers)} buffers, {container.size:,} bytes, {said}"
+        f"{len(container.buffers)} buffers, {container.size:,} bytes, {checksums}"
     )
     return Report(tuple(findings), contents)

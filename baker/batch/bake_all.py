@@ -103,21 +103,21 @@ def _job(
     name: str, folder: Path, options: Options, outputs: Outputs, table: TraitsTable | None
 ) -> PlantJob:
     """The job of one plant, with absolute paths, since workers may have other working folders."""
-    here = Path.cwd()
+    current = Path.cwd()
     plant_outputs = replace(
         outputs,
-        clip=here / outputs.clip / f"{name}.gclip",
-        report=outputs.report and here / outputs.report / f"{name}.html",
-        cache=outputs.cache and here / outputs.cache,
+        clip=current / outputs.clip / f"{name}.gclip",
+        report=outputs.report and current / outputs.report / f"{name}.html",
+        cache=outputs.cache and current / outputs.cache,
     )
-    options = replace(options, times=options.times and here / options.times)
+    options = replace(options, times=options.times and current / options.times)
     known = table.known(name) if table else None
-    return PlantJob(name, here / folder, options, plant_outputs, known)
+    return PlantJob(name, current / folder, options, plant_outputs, known)
 
 
 def _make_folder(folder: Path) -> None:
     if folder.is_file() or folder.suffix.lower() in (".html", ".htm", ".gclip"):
-        raise InputError(f"{folder} is a file's name; what many plants have needs a folder's.")
+        raise InputError(f"{folder} is a file's name; the outputs of many plants need a folder.")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
         TemporaryFile(dir=folder).close()  # whether files can be written there

@@ -9,7 +9,13 @@ from numpy.typing import NDArray
 from baker.alignment.keyframes import AlignedSeries, Keyframe
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.movers import OrganMovers, curved, deviation_of, leaving, moving
+from baker.interpolation.movers import (
+    OrganMovers,
+    deviation_of,
+    leaving,
+    moving,
+    with_deviations,
+)
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import (
     Attachments,
@@ -242,7 +248,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     order = np.argsort(sizes, kind="stable")[::-1]
     solutions = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
     solved = [solutions[k] for k in np.argsort(order)]
-    solved = curved(solved, scan) if options.curved else solved
+    solved = with_deviations(solved, scan) if options.curved else solved
     return pack_interval(
         *job.times,
         with_even_density(solved, options.even),

@@ -133,7 +133,7 @@ def deviation_of(
     return motion.deviation(start), dict(zip(attached_to, shifts, strict=True))
 
 
-def curved(solved: Sequence[OrganMovers], scan: Hierarchy) -> list[OrganMovers]:
+def with_deviations(solved: Sequence[OrganMovers], scan: Hierarchy) -> list[OrganMovers]:
     """Shift movers by the deviation of their organ and by those of what it grows on."""
     carried: dict[int, Floats] = {}  # organ -> deviation of its attachment
     for moved in solved:

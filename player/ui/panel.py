@@ -79,7 +79,7 @@ def _controls(scene: Scene, section: str) -> Scene:
         elif action.on:
             scene = _switch(scene, action)
         elif not action.repeats:  # what repeats is for keys alone
-            if in_row and imgui.get_item_rect_max().x + _wide(label) <= right:
+            if in_row and imgui.get_item_rect_max().x + _button_width(label) <= right:
                 imgui.same_line()
             scene, is_button = button(scene, action.name, label), True
         in_row = is_button
@@ -165,7 +165,7 @@ SECTIONS = {
 }
 
 
-def _wide(label: str) -> float:
+def _button_width(label: str) -> float:
     """The width of a button, and of the gap before it."""
     style = imgui.get_style()
     return imgui.calc_text_size(label).x + 2 * style.frame_padding.x + style.item_spacing.x

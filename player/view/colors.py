@@ -236,8 +236,8 @@ class Colors:
             count = sum(group.count for group in moving)
             some = slice(0, count, max(count // SAMPLE, 1))
             start, end = (positions_on_curve(interval, some, share) for share in (0.0, 1.0))
-            way = np.linalg.norm(end.astype(float) - start, axis=1)
-            speeds.append(way / (interval.end - interval.start))
+            distance = np.linalg.norm(end.astype(float) - start, axis=1)
+            speeds.append(distance / (interval.end - interval.start))
         return _high_end(speeds)
 
 

@@ -63,21 +63,21 @@ class Timeline:
         if not self.playing:
             return self
         start, goal = self._ends
-        way = (self.end - self.begin) / self.days_per_second  # seconds from end to end
+        duration = (self.end - self.begin) / self.days_per_second  # seconds from end to end
         passed = seconds + self.rest  # since the clock was at `start`
         if self.begin <= self.day <= self.end:
             passed += abs(self.day - start) / self.days_per_second
-        if self.at_end is AtEnd.STOP and passed >= way:
+        if self.at_end is AtEnd.STOP and passed >= duration:
             return replace(self, day=goal, playing=False, backwards=False, rest=0.0)
-        turns, passed = divmod(passed, way + REST)
+        turns, passed = divmod(passed, duration + REST)
         if self.at_end is AtEnd.PING_PONG and turns % 2:
             start, goal = goal, start
-        day = goal if passed >= way else start + (goal - start) * passed / way
+        day = goal if passed >= duration else start + (goal - start) * passed / duration
         return replace(
             self,
             day=min(max(day, self.begin), self.end),
             backwards=goal < start,
-            rest=max(passed - way, 0.0),
+            rest=max(passed - duration, 0.0),
         )
 
     def played(self) -> Self:

@@ -39,11 +39,11 @@ def paired_homes(clips: Sequence[Clip], homes: Sequence[Camera]) -> tuple[Camera
     homes: of each clip the camera that shows all of it.
     """
     (first, second), (home, other) = clips, homes
-    here = np.add(home.target, np.subtract(first.origin, second.origin))  # in the second clip
+    target = np.add(home.target, np.subtract(first.origin, second.origin))  # in the second clip
     small, large = sorted((home.radius, other.radius))
-    alike, apart = large < ALIKE * small, float(np.linalg.norm(here - other.target))
+    alike, apart = large < ALIKE * small, float(np.linalg.norm(target - other.target))
     if alike and apart < NEAR * large and first.up == second.up:
-        return home, replace(home, target=triple(here))
+        return home, replace(home, target=triple(target))
     if alike:
         farther = max(home.distance, other.distance)
         return replace(home, distance=farther), replace(other, distance=farther)

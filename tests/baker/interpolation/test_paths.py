@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from baker.interpolation.movers import OrganMovers, curved, deviation_of
+from baker.interpolation.movers import OrganMovers, deviation_of, with_deviations
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import organ_shapes
 from baker.matching import Match
@@ -54,7 +54,7 @@ def baked() -> tuple[list[np.ndarray], Match, list[OrganMovers], list[OrganMover
     motion, origin = leaf_motion(clouds, match), tasks[1].movers.curve[0]
     deviation = deviation_of(1, motion, origin, clouds[1], match.second)
     bent = [tasks[0], replace(tasks[1], deviation=deviation), *tasks[2:]]
-    return clouds, match, tasks, curved(bent, match.second)
+    return clouds, match, tasks, with_deviations(bent, match.second)
 
 
 def middle(moved: OrganMovers) -> np.ndarray:
