@@ -1,7 +1,7 @@
-"""How fast the plant grows where: local growth, whatever carries the part of it that grows.
+"""Local growth rates of the surface of organs.
 
-The mean distance of a mover's neighbours from their centre is the same wherever a stem or a stalk
-takes them, however they turn; it changes as the surface about the mover stretches.
+The variance of the positions of neighbouring movers does not change where an organ is displaced or
+rotated, but only where its surface grows.
 """
 
 import numpy as np
@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from gclip import Clip, Interval, Motion
 from gclip.evaluate import positions_on_curve
 
-SAMPLE = 3000  # movers of an organ that rates are found of; the others take that of the nearest
-SHARE = 0.05  # of an organ's movers that make a neighbourhood
-FEWEST, MOST = 24, 160  # of them: fewer tell the scans' noise
+MAX_SAMPLE = 3000  # movers of an organ whose rates are computed; others take the nearest one's
+NEIGHBOR_SHARE = 0.05  # of an organ's sampled movers that are neighbours of one
+MIN_NEIGHBORS, MAX_NEIGHBORS = 24, 160  # with fewer, rates show the noise of the scans
 
 
 def growth_rates(clip: Clip) -> list[NDArray[np.float64]]:
@@ -25,36 +25,37 @@ def growth_rates(clip: Clip) -> list[NDArray[np.float64]]:
     Returns
     -------
     list of (N,) float64 ndarray
-        For each interval, of each mover in percent by the clip's unit of time: the rate at which
-        the logarithm of lengths grows. Infinite where the organ is born, NaN where it is lost.
+        For each interval, the rate of each mover in percent by the clip's unit of time: the
+        derivative of the logarithm of lengths. Infinite if the organ is born, NaN if it is lost.
     """
     born = np.array([track.born for track in clip.track_table])
-    return [_rates(interval, born) for interval in clip.intervals]
+    return [_interval_rates(interval, born) for interval in clip.intervals]
 
 
-def _rates(interval: Interval, born: NDArray[np.float64]) -> NDArray[np.float64]:
-    from scipy.spatial import cKDTree
+def _interval_rates(interval: Interval, born: NDArray[np.float64]) -> NDArray[np.float64]:
+    from scipy.spatial import KDTree
 
     rates = np.full(len(interval), np.nan)
     start, end = (positions_on_curve(interval, slice(None), u).astype(float) for u in (0.0, 1.0))
     tracks = np.asarray(interval.tracks)
-    moves = np.zeros(len(interval), bool)
+    is_moving = np.zeros(len(interval), bool)
     for group in interval.groups:
-        moves[group.first : group.stop] = group.motion is Motion.MOVE
-    for track in np.unique(tracks[moves]).tolist():
-        own = np.flatnonzero(moves & (tracks == track))
-        some = own[:: -(-len(own) // SAMPLE)]
+        is_moving[group.first : group.stop] = group.motion is Motion.MOVE
+    for track in np.unique(tracks[is_moving]).tolist():
+        movers = np.flatnonzero(is_moving & (tracks == track))
+        sample = movers[:: -(-len(movers) // MAX_SAMPLE)]
         if born[track] > interval.start:
-            rates[own] = np.inf
+            rates[movers] = np.inf
             continue
-        if len(some) < FEWEST:
+        if len(sample) < MIN_NEIGHBORS:
             continue
-        count = min(max(int(SHARE * len(some)), FEWEST), MOST)
-        # Neighbours half-way, since those at one end are by choice nearer to each other there.
-        half_way = cKDTree((start[some] + end[some]) / 2)
-        around = some[half_way.query(half_way.data, k=count)[1]]
-        first, last = (points[around].var(axis=1).sum(axis=1) for points in (start, end))
-        found = np.log(np.maximum(last, 1e-300) / np.maximum(first, 1e-300)) / 2
-        nearest = half_way.query((start[own] + end[own]) / 2)[1]
-        rates[own] = 100.0 * found[nearest] / (interval.end - interval.start)
+        count = min(max(int(NEIGHBOR_SHARE * len(sample)), MIN_NEIGHBORS), MAX_NEIGHBORS)
+        # Neighbours are searched at mid-interval: those at either end would be nearest by selection
+        # at that end, and would seem to move apart from there on.
+        tree = KDTree((start[sample] + end[sample]) / 2)
+        neighbors = sample[tree.query(tree.data, k=count)[1]]
+        first, last = (points[neighbors].var(axis=1).sum(axis=1) for points in (start, end))
+        growth = np.log(np.maximum(last, 1e-300) / np.maximum(first, 1e-300)) / 2
+        nearest = tree.query((start[movers] + end[movers]) / 2)[1]
+        rates[movers] = 100.0 * growth[nearest] / (interval.end - interval.start)
     return rates
