@@ -1,20 +1,20 @@
-"""In-between states against a grown plant's truth: `python -m bench.truth [KIND ...] [--seeds N]`.
+"""Errors of clips of grown plants: `python -m bench.truth [KIND ...] [--seeds N]`.
 
-`grow` plants are known at every instant. Each is scanned on its usual days, baked with `--paper`
-and with our own choices, and what `Clip.at` says between the scans is compared with the plant:
+The shape of a plant of `grow` is known at every time. It is scanned on its usual days, baked with
+`--paper` and with the default options, and the clips are compared with the plant between the scans:
 
-error   Mean distance of the reconstruction to the true surface and back, at a quarter, half and
-        three quarters of every interval, above that of another scan of the same size; in % of the
-        plant's size. RATIO is ours over the paper's.
-length  Error of the organs' lengths at 20 instants, in %, of those that `traits.measure` is sure
-        of and that both scans hold: the mean, and below what nine in ten stay. In brackets the same
-        of a fresh scan of that instant: what measuring itself is off by.
-area    Likewise of the organs' areas.
-falls   The largest loss of height from one of 50 instants to the next, in % of the height.
-gap     By how much at most an organ's distance to its parent exceeds that at both scans, in point
-        spacings, at 50 instants of each interval.
-turn    Scans are turned about the vertical and shifted at random before they are aligned: the yaw
-        that is left between successive scans, median and worst, in degrees.
+error   Mean distance between the clip and the true surface, in both directions, at a quarter, half
+        and three quarters of every interval, minus that of another scan of the same size; in % of
+        the plant's size. RATIO is that of the default relative to that of the paper.
+length  Errors of organs' lengths at 20 times, in %, of those that `traits.measure` is sure of and
+        that both scans have: the mean, and the error that nine in ten do not exceed. In brackets,
+        the same of another scan of that time, which is the error of the measurement.
+area    The same for organs' areas.
+falls   The largest decrease of the plant's height between two of 50 times, in % of the height.
+gap     The largest excess of an organ's distance to its parent, at 50 times of each interval, over
+        that at both scans, in point spacings.
+turn    The yaw between successive scans that remains after alignment, if scans are rotated about
+        the vertical and shifted at random: median and largest, in degrees.
 """
 
 from __future__ import annotations
@@ -44,23 +44,22 @@ if TYPE_CHECKING:
 
 Cloud = NDArray[np.float32]
 Errors = NDArray[np.float64]
-INSTANTS = 50
+TIMES = 50  # of each interval, or of the series
 SHARES = (0.25, 0.5, 0.75)
 SHIFT = 0.1  # of a scan's height
 
 
 def distance(first: Cloud, second: Cloud) -> float:
-    """The mean distance of two clouds, both ways, halved."""
-    from scipy.spatial import cKDTree
+    """The mean distance to the nearest point of the other cloud, averaged over both clouds."""
+    from scipy.spatial import KDTree
 
-    return (
-        float(cKDTree(first).query(second)[0].mean() + cKDTree(second).query(first)[0].mean()) / 2
-    )
+    to_first, to_second = KDTree(first).query(second)[0], KDTree(second).query(first)[0]
+    return float(to_first.mean() + to_second.mean()) / 2
 
 
 def errors(clip: Clip, subject: Plant) -> float:
-    """Mean error between the scans above the floor, as a share of the plant's size."""
-    found = []
+    """Mean error between the scans, above that of another scan, relative to the plant's size."""
+    excess = []
     for interval in clip.intervals:
         for share in SHARES:
             day = interval.start + share * (interval.end - interval.start)
@@ -70,9 +69,9 @@ def errors(clip: Clip, subject: Plant) -> float:
                 + share * len(subject.cloud(interval.end))
             )
             truth = subject.cloud(day, points=30_000, noise=0.0, colors=False).points
-            again = subject.cloud(day, points=count, seed=7, colors=False).points
-            found.append(distance(rebuilt, truth) - distance(again, truth))
-    return float(np.mean(found)) / size(subject, clip.times[-1])
+            other_scan = subject.cloud(day, points=count, seed=7, colors=False).points
+            excess.append(distance(rebuilt, truth) - distance(other_scan, truth))
+    return float(np.mean(excess)) / size(subject, clip.times[-1])
 
 
 def size(subject: Plant, day: float) -> float:
@@ -80,59 +79,57 @@ def size(subject: Plant, day: float) -> float:
 
 
 def organs_measured(clip: Clip, subject: Plant) -> dict[str, tuple[Errors, Errors]]:
-    """Errors, in %, of organs' lengths and areas: of the clip's, and of fresh scans'."""
+    """Errors of organs' lengths and areas, in %: in the clip, and in other scans of the times."""
     found: dict[str, tuple[list[float], list[float]]] = {t: ([], []) for t in ("length", "area")}
     for day in np.linspace(clip.times[0], clip.times[-1], 22)[1:-1]:
         interval = next(i for i in reversed(clip.intervals) if i.start <= day)
-        moved = {pair.track for pair in interval.segments if pair.event == "match"}
-        held = {track.name.split()[-1] for track in clip.track_table if track.id in moved}
+        matched = {pair.track for pair in interval.segments if pair.event == "match"}
+        names = {track.name.split()[-1] for track in clip.track_table if track.id in matched}
         scan = subject.cloud(day, seed=9, colors=False)
-        true = truth(subject, day)
-        for side, shown in enumerate((clip, clip_of(scan, day, subject))):
-            for one, off, name in errors_of(measure(shown, day), shown, true, least=1):
+        true_traits = truth(subject, day)
+        for side, measured in enumerate((clip, clip_of(scan, day, subject))):
+            organs = errors_of(measure(measured, day), measured, true_traits, min_points=1)
+            for organ, error, name in organs:
                 for trait in found:
-                    if name.split()[-1] in held and trait in one.sure:
-                        found[trait][side].append(off[trait])
+                    if name.split()[-1] in names and trait in organ.sure:
+                        found[trait][side].append(error[trait])
     return {trait: (np.array(ours), np.array(fresh)) for trait, (ours, fresh) in found.items()}
 
 
 def falls(clip: Clip) -> float:
-    """The largest loss of height between instants, as a share of the final height."""
+    """The largest decrease of height between two times, relative to the largest height."""
     heights = [
         float(np.quantile(clip.at(day).positions[:, 2], 0.999))
-        for day in np.linspace(clip.times[0], clip.times[-1], INSTANTS)
+        for day in np.linspace(clip.times[0], clip.times[-1], TIMES)
     ]
     return max(0.0, float(-np.diff(heights).min())) / max(heights)
 
 
 def gaps(clip: Clip) -> float:
-    """How much farther than at the scans an organ's base gets from its parent, in spacings."""
-    from scipy.spatial import cKDTree
+    """The largest excess of an organ's distance to its parent, in spacings, over both scans'."""
+    from scipy.spatial import KDTree
 
-    worst = 0.0
+    largest = 0.0
     for interval in clip.intervals:
-        step = (interval.end - interval.start) / INSTANTS
-        days = np.linspace(interval.start + 1e-6 * step, interval.end - 1e-6 * step, INSTANTS)
-        spans: dict[int, list[float]] = {}
+        step = (interval.end - interval.start) / TIMES
+        days = np.linspace(interval.start + 1e-6 * step, interval.end - 1e-6 * step, TIMES)
+        distances: dict[int, list[float]] = {}
         for day in days:
             frame = clip.at(day)
             for track in clip.track_table:
-                organ = frame.local[frame.tracks == track.id]
-                parent = (
-                    frame.local[frame.tracks == track.parent]
-                    if track.parent is not None
-                    else organ[:0]
-                )
+                if track.parent is None:
+                    continue
+                organ, parent = (frame.local[frame.tracks == t] for t in (track.id, track.parent))
                 if len(organ) and len(parent):
-                    gap = float(cKDTree(parent).query(organ)[0].min())
-                    spans.setdefault(track.id, []).append(gap)
-        for gap_of in spans.values():
-            worst = max(worst, max(gap_of) - max(gap_of[0], gap_of[-1]))
-    return worst / clip.spacing
+                    nearest = float(KDTree(parent).query(organ)[0].min())
+                    distances.setdefault(track.id, []).append(nearest)
+        for each in distances.values():
+            largest = max(largest, max(each) - max(each[0], each[-1]))
+    return largest / clip.spacing
 
 
 def turns(subject: Plant, seed: int) -> Errors:
-    """Yaw in degrees that alignment leaves between scans that were turned and shifted at random."""
+    """Yaw in degrees that alignment leaves between scans in random poses."""
     rng = np.random.default_rng(seed)
     scans, poses = [], []
     for day in subject.default_days:
@@ -142,9 +139,9 @@ def turns(subject: Plant, seed: int) -> Errors:
         pose[:3, 3] = rng.uniform(-SHIFT, SHIFT, 3) * np.ptp(points[:, 2])
         scans.append(Scan((points @ pose[:3, :3].T + pose[:3, 3]).astype(np.float32)))
         poses.append(pose)
-    found = align(Series(tuple(scans)), up="z").transforms
-    placed = [(moved @ pose)[:3, :3] for moved, pose in zip(found, poses, strict=True)]
-    steps = [before.T @ after for before, after in pairwise(placed)]
+    transforms = align(Series(tuple(scans)), up="z").transforms
+    aligned = [(moved @ pose)[:3, :3] for moved, pose in zip(transforms, poses, strict=True)]
+    steps = [before.T @ after for before, after in pairwise(aligned)]
     return np.abs([Rotation.from_matrix(step).as_euler("zyx", degrees=True)[0] for step in steps])
 
 
@@ -156,20 +153,20 @@ def print_row(kind: str, seed: int) -> None:
         fixed = {"align": "none", "up": "z", "labels": "consistent"}
         paper = errors(bake([scans], Options(paper=True, **fixed)), subject)
         clip = bake([scans], Options(**fixed))
-    ours = errors(clip, subject)
+    default = errors(clip, subject)
     measured, yaws = organs_measured(clip, subject), turns(subject, seed)
     print(
-        f"{kind:8s} {seed:4d} {100 * paper:6.3f} {100 * ours:6.3f} {ours / paper:6.2f}",
+        f"{kind:8s} {seed:4d} {100 * paper:6.3f} {100 * default:6.3f} {default / paper:6.2f}",
         *(f"{_summary(ours)} ({_summary(fresh)})" for ours, fresh in measured.values()),
         f"{100 * falls(clip):6.2f} {gaps(clip):6.2f} {np.median(yaws):5.2f} {yaws.max():6.2f}",
         flush=True,
     )
 
 
-def _summary(off: Errors) -> str:
-    if not len(off):
+def _summary(errors: Errors) -> str:
+    if not len(errors):
         return "   -    -"
-    return f"{np.abs(off).mean():4.1f} {np.quantile(np.abs(off), 0.9):4.1f}"
+    return f"{np.abs(errors).mean():4.1f} {np.quantile(np.abs(errors), 0.9):4.1f}"
 
 
 def main() -> None:
@@ -180,7 +177,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=2, help="plants of each kind")
     args = parser.parse_args()
     print(
-        "kind     seed  paper   ours  RATIO"
+        "kind     seed  paper default RATIO"
         "   length  (fresh scan)    area   (fresh scan)  falls    gap        turn"
     )
     for kind in args.kinds:
