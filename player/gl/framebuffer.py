@@ -1,6 +1,5 @@
 """Textures, and the framebuffers that one pass writes and the next one reads."""
 
-from functools import cached_property
 from typing import Any, cast
 
 import moderngl
@@ -21,62 +20,41 @@ class GBuffer:
     surface:  colours (linear light and coverage), relative depths (shaders/depth.glsl), normals.
     filtered: depths again, and other depths: filtering writes one from the other and back.
     lit:      the light from the plant times coverage, and coverage.
+    points:   number (nearest_point.glsl) and colour of the nearest point in every sample.
+    front:    depth of the splats' nearest surface in every sample.
+    sums:     weighted sums over the splats of that surface.
     """
 
-    def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
-        self._context = context
+    def __init__(self, context: moderngl.Context, passes: Passes, size: tuple[int, int]) -> None:
+        self.passes = passes
         self.size = size
         self.surface = framebuffer(context, size, (4, "f2"), (1, "f4"), (2, "f2"), deep=True)
         _, depths, _ = textures_of(self.surface)
         plant = self.surface.depth_attachment
         self._mask = context.framebuffer([], plant)
-        self.filtered = [
-            context.framebuffer([depths], plant),
-            framebuffer(context, size, (1, "f4"), depth=plant),
-        ]
+        other_depths = framebuffer(context, size, (1, "f4"), depth=plant)
+        self.filtered = [context.framebuffer([depths], plant), other_depths]
         self.lit = framebuffer(context, size, (4, "f2"), depth=plant)
-        for one in (*self.filtered, self.lit):
-            one.depth_mask = False
+        self.points = framebuffer(context, size, (1, "u4"), (1, "u4"), deep=True)
+        self.front = framebuffer(context, size, (1, "f4"), deep=True)
+        formats, depth = ((4, "f2"), (4, "f2"), (2, "f2")), self.front.depth_attachment
+        self.sums = framebuffer(context, size, *formats, depth=depth)
+        for tests_only in (*self.filtered, self.lit, self.sums):
+            tests_only.depth_mask = False
+        across, down = (-(-side // TILE) for side in size)
+        self._tiles = framebuffer(context, (across, down), (1, "f1"))
 
-    @cached_property
-    def points(self) -> moderngl.Framebuffer:
-        """Number (nearest_point.glsl) and colour of the nearest point in every sample."""
-        return framebuffer(self._context, self.size, (1, "u4"), (1, "u4"), deep=True)
+    def mark_tiles(self, name: str, **uniforms: Any) -> None:
+        """Run a fragment shader that writes in which tiles `fill` finds points or splats."""
+        draw_into(self._tiles)
+        self.passes.fill(name, **uniforms)
 
-    @cached_property
-    def tiles(self) -> moderngl.Framebuffer:
-        """Which tiles of TILE by TILE samples have points or splats in or near them."""
-        width, height = self.size
-        return framebuffer(self._context, (-(-width // TILE), -(-height // TILE)), (1, "f1"))
-
-    @cached_property
-    def splat_front(self) -> moderngl.Framebuffer:
-        """Depth of the splats' nearest surface in every sample."""
-        return framebuffer(self._context, self.size, (1, "f4"), deep=True)
-
-    @cached_property
-    def splat_sums(self) -> moderngl.Framebuffer:
-        """Weighted sums over the splats of that surface; tests depths, and writes none."""
-        formats = (4, "f2"), (4, "f2"), (2, "f2")
-        depth = self.splat_front.depth_attachment
-        sums = framebuffer(self._context, self.size, *formats, depth=depth)
-        sums.depth_mask = False
-        return sums
-
-    def mark_tiles(self, passes: Passes, name: str, **uniforms: Any) -> None:
-        """Run a fragment shader that writes which tiles `fill` runs on."""
-        self.tiles.use()
-        self._context.enable_only(moderngl.NOTHING)
-        passes.fill(name, **uniforms)
-
-    def fill(self, passes: Passes, name: str, **uniforms: Any) -> None:
+    def fill(self, name: str, **uniforms: Any) -> None:
         """Run a fragment shader that writes the surface and where the plant is."""
-        (occupied,) = textures_of(self.tiles)
+        (occupied,) = textures_of(self._tiles)
         self.surface.viewport = (0, 0, *self.size)
-        self.surface.use()
-        self._context.enable_only(moderngl.DEPTH_TEST)
-        self._context.depth_func = "1"
-        passes.fill(name, tiles=occupied, **uniforms)
+        draw_into(self.surface, depth="1")
+        self.passes.fill(name, tiles=occupied, **uniforms)
 
     def clear(self) -> None:
         """Begin a picture without a plant; colours and normals count only where a plant is."""
@@ -84,6 +62,23 @@ class GBuffer:
         self._mask.clear(depth=0.0)
         for depths in self.filtered:
             depths.clear(NOTHING)
+
+
+def draw_into(
+    target: moderngl.Framebuffer, *, depth: str = "", blend: tuple[int, int] | None = None
+) -> None:
+    """Draw into a framebuffer from now on.
+
+    depth: how a depth has to compare with the one that is there, "1" for anyhow; untested if "".
+    blend: factors of what is drawn and of what is there; by default it is replaced.
+    """
+    context = target.ctx
+    tests = moderngl.DEPTH_TEST if depth else moderngl.NOTHING
+    blends = moderngl.BLEND if blend else moderngl.NOTHING
+    context.enable_only(moderngl.PROGRAM_POINT_SIZE | tests | blends)
+    context.depth_func = depth or "<"
+    context.blend_func = blend or (moderngl.ONE, moderngl.ZERO)
+    target.use()
 
 
 def framebuffer(

@@ -1,12 +1,12 @@
 """Finds the organ at a position in the picture, by drawing track numbers on the GPU."""
 
-import moderngl
 import numpy as np
 
 from player.gl.framebuffer import framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
+from player.rendering.points import clear_numbers
 from player.rendering.splats import SplatParams
 
 REACH = 10  # largest distance in pixels at which an organ still counts as hit
@@ -26,17 +26,11 @@ def track_at(
 
     at: the position in pixels from the top left corner of a picture of `splats.samples`.
     """
-    context, (width, height) = points.context, splats.samples
-    target = framebuffer(context, (SIDE, SIDE), (1, "u4"), deep=True)
-    target.use()
-    context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
-    context.depth_func = "1"
-    passes.fill("clear_points")
-    context.depth_func = "<"
-    left, bottom = REACH - int(at[0]), REACH - (height - 1 - int(at[1]))
-    target.viewport = (left, bottom, width, height)
+    width, height = splats.samples
+    target = framebuffer(points.context, (SIDE, SIDE), (1, "u4"), deep=True)
+    clear_numbers(passes, target)
+    target.viewport = REACH - int(at[0]), REACH - (height - 1 - int(at[1])), width, height
     points.draw("splat_pick", ranges, splats.uniforms())
-    context.enable_only(moderngl.NOTHING)
     (texture,) = textures_of(target)
     tracks = np.frombuffer(texture.read(), np.uint32).reshape(SIDE, SIDE)
     rows, columns = np.nonzero(tracks != NO_TRACK)

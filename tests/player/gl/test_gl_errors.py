@@ -16,8 +16,7 @@ from player.cli import main
 from player.errors import PlayerError
 from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, samples_within
 from player.rendering.headless import Offscreen, render
-from player.rendering.point_buffers import Chunk, bytes_per_point
-from player.rendering.point_store import ChunkStore
+from player.rendering.point_buffers import Chunk, PointBuffers, bytes_per_point
 from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
@@ -202,19 +201,20 @@ def test_movers_make_room_on_a_full_gpu(
     context: moderngl.Context, make_clip: ClipMaker, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     clip = make_clip()
-    store = ChunkStore(context, clip, room=1 << 30)
+    buffers = PointBuffers(context, clip, 1 << 30)
     chunks = [Chunk(0, first, 100) for first in (0, 100, 200)]
     for chunk in chunks[:2]:
-        store.fetch(chunk, 100)
+        buffers.fetch(chunk, 100)
     report(monkeypatch, "GL_OUT_OF_MEMORY")
-    assert store.fetch(chunks[2], 100).resident == 100
-    assert store.size < 3 * 100 * bytes_per_point(clip.intervals[0]) + 1000
-    assert store.size > 2 * 100 * bytes_per_point(clip.intervals[0]), "one made room for the last"
+    assert buffers.fetch(chunks[2], 100).resident == 100
+    assert buffers.size() < 3 * 100 * bytes_per_point(clip.intervals[0]) + 1000
+    assert buffers.size() > 2 * 100 * bytes_per_point(clip.intervals[0]), (
+        "one made room for the last"
+    )
     report(monkeypatch, *["GL_OUT_OF_MEMORY"] * 9)
     with pytest.raises(OutOfGpuMemory):
-        store.fetch(Chunk(1, 0, 100), 100)
+        buffers.fetch(Chunk(1, 0, 100), 100)
     monkeypatch.undo()
-    store.stop()
 
 
 def test_compute_shaders_that_fail_leave_the_work_to_points(
