@@ -1,6 +1,6 @@
 """Draws pictures of a clip without a screen."""
 
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,10 +80,10 @@ class Offscreen:
         A driver reset is answered by one new attempt, full GPU memory by one sample a pixel. Raises
         PlayerError if that fails too, and ClipError for a file that was truncated after opening.
         """
-        view = day, camera or self._home, style or Style(), self.size
+        view = day, camera or self._home, style or Style(), transparent
         samples = self._renderer.supersample
         try:
-            return self._drawn(*view, transparent=transparent)
+            return self._picture(*view)
         except OutOfGpuMemory:
             if samples == 1:
                 raise
@@ -92,9 +92,12 @@ class Offscreen:
             pass
         self.release()
         self._begin(samples)
-        return self._drawn(*view, transparent=transparent)
+        return self._picture(*view)
 
-    def _drawn(self, *view: Any, transparent: bool) -> NDArray[np.uint8]:
+    def _picture(
+        self, day: float, camera: Camera, style: Style, transparent: bool
+    ) -> NDArray[np.uint8]:
+        view = day, camera, style, self.size
         self._renderer.draw(self._framebuffer, *view, transparent=transparent)
         pixels = np.frombuffer(self._framebuffer.read(components=4), np.uint8)
         check_context(self.context)

@@ -23,20 +23,14 @@ from player.rendering.point_cloud import PointCloud
 from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend
 from player.rendering.shading import shade, smooth_depths
 from player.rendering.splat_radius import ClosingDistances
-from player.rendering.splats import (
-    ALIGNED,
-    FACING,
-    SplatParams,
-    SplatShape,
-    draw_behind,
-    draw_splats,
-)
+from player.rendering.splats import SplatParams, draw_behind, draw_splats
 from player.view.camera import Camera, outline
 from player.view.style import Style
 
-# Radius of a splat in closing distances, above 1 because neighbours drift apart between scans. It
-# takes more overlap to find the surface's edge (ALIGNED) than to close its holes.
-NATURAL_RADIUS, ALIGNED_RADIUS = 2.3, 2.6
+# Radius of a splat in closing distances, above 1 because neighbours drift apart between scans, and
+# its edge (SplatParams): of discs that face the camera, and of discs along the surface, by its
+# normals. It takes more overlap to find the surface's edge than to close its holes.
+FACING, ALIGNED = (2.3, 2.0), (2.6, 0.38)
 MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
 
 
@@ -110,7 +104,7 @@ class Renderer:
             draw_splats(points, gbuffer, ranges, splats)
         smooth_depths(gbuffer, splats)
         shade(gbuffer, splats, style)
-        if not are_points and splats.shape.edge < 1.0:
+        if not are_points and splats.edge < 1.0:
             draw_behind(points, gbuffer, ranges, splats)
             shade(gbuffer, splats, style)
         framebuffer.viewport = (0, 0, *size)
@@ -167,14 +161,14 @@ class Renderer:
         ranges = whole(layers_at(self.clip, day), stride)
         if upload_budget is not None:
             ranges = self._points.buffers.load(ranges, upload_budget)
-        natural, shape = splat_shape(self.clip)
+        natural, edge = splat_shape(self.clip)
         radius = natural * style.point_size * self._closing.at(day) * math.sqrt(stride)
         smallest = MIN_POINT_PX * self.supersample
         if style.pixels is not None:
-            radius, shape = 1e-6 * radius, FACING
+            radius, edge = 1e-6 * radius, FACING[1]
             smallest = max(style.pixels * samples[1] / 720, smallest)
         sizes = (smallest, self._max_point_px)
-        splats = SplatParams(camera, samples, radius, sizes, self._scene_radius, shape)
+        splats = SplatParams(camera, samples, radius, sizes, self._scene_radius, edge)
         if style.pixels is None and (missing := _missing(ranges)):
             # Whole blocks of neighbours are missing until they are uploaded; larger splats fill
             # the gaps, as long as they are drawn fast.
@@ -192,10 +186,10 @@ class Renderer:
         return self._gbuffer
 
 
-def splat_shape(clip: Clip) -> tuple[float, SplatShape]:
-    """The radius of a clip's splats in closing distances, and their shape."""
+def splat_shape(clip: Clip) -> tuple[float, float]:
+    """The radius of a clip's splats in closing distances, and their edge."""
     aligned = all(interval.normals is not None for interval in clip.intervals)
-    return (ALIGNED_RADIUS, ALIGNED) if aligned else (NATURAL_RADIUS, FACING)
+    return ALIGNED if aligned else FACING
 
 
 def scene_radius(clip: Clip) -> float:

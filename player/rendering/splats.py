@@ -1,7 +1,7 @@
 """Draws splats that are larger than a sample, with soft edges."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import moderngl
@@ -16,28 +16,6 @@ MAX_MARGIN = 512  # largest distance in samples from a splat's centre to the pic
 
 
 @dataclass(frozen=True)
-class SplatShape:
-    """Distances from a splat's centre, in splat radii.
-
-    core:      a splat occludes what lies behind it up to this distance.
-    rim:       a splat contributes to the surface up to this distance, where its weight is 4 %.
-    thickness: largest difference in depth between splats of one surface.
-    edge:      distance to the mean of the surrounding splats' centres at which the surface ends.
-               Smaller values follow the sampled outline more closely, larger ones are smoother;
-               with 2 the surface ends only where its splats do.
-    """
-
-    core: float = 0.7
-    rim: float = 0.9
-    thickness: float = 1.6
-    edge: float = 2.0
-
-
-FACING = SplatShape()  # discs that face the camera
-ALIGNED = SplatShape(edge=0.38)  # discs along the surface, by its normals
-
-
-@dataclass(frozen=True)
 class SplatParams:
     """How points are drawn as splats.
 
@@ -45,6 +23,9 @@ class SplatParams:
     radius:         radius of a splat in the clip's unit.
     point_px_range: smallest and largest diameter of a splat in samples.
     scene_radius:   half the diagonal of the scene in the clip's unit.
+    edge:           distance in radii to the mean of the surrounding splats' centres at which the
+                    surface ends. Smaller values follow the sampled outline more closely, larger
+                    ones are smoother; with 2 the surface ends only where its splats do.
     """
 
     camera: Camera
@@ -52,7 +33,7 @@ class SplatParams:
     radius: float
     point_px_range: tuple[float, float]
     scene_radius: float
-    shape: SplatShape = FACING
+    edge: float
 
     @property
     def projection(self) -> Any:
@@ -90,8 +71,7 @@ class SplatParams:
             "radius": self.radius,
             "focal_px": self.focal_px,
             "point_px_range": self.point_px_range,
-            **asdict(self.shape),
-            "span": self.shape.core,
+            "edge": self.edge,
             "lift": 0.0,
         }
 
@@ -110,7 +90,7 @@ def draw_splats(
     points.draw("splat_depth", ranges, uniforms)
     draw_into(gbuffer.sums, depth="<", blend=(moderngl.ONE, moderngl.ONE))
     gbuffer.sums.clear(viewport=picture)
-    points.draw("splat_sum", ranges, uniforms | {"span": splats.shape.rim, "lift": 1.0})
+    points.draw("splat_sum", ranges, uniforms | {"lift": 1.0})
     names = ("color_sums", "moment_sums", "normal_sums")
     summed = dict(zip(names, textures_of(gbuffer.sums), strict=True))
     gbuffer.mark_tiles("splat_tiles", **summed)

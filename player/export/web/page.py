@@ -122,7 +122,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
     """What the page knows besides the points; read in web/clip.js and web/renderer.js."""
     closing = ClosingDistances(clip)
     to_square, half_side = floor_square(clip)
-    radius, shape = splat_shape(clip)
+    radius, edge = splat_shape(clip)
     home = Camera.home(clip, film.aspect)
     return {
         "times": clip.times,
@@ -145,8 +145,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
         "coverage": [closing.at(time) for time in clip.times],
         "splat": {"radii": radius, "smallest": MIN_POINT_PX},
         "uniforms": {
-            **asdict(shape),
-            "span": shape.core,
+            "edge": edge,
             "lift": 0.0,
             "scene_radius": scene_radius(clip),
             "perspective": 1.0,
