@@ -1,5 +1,6 @@
 """Textures, and the framebuffers that one pass writes and the next one reads."""
 
+from functools import partial
 from typing import Any, cast
 
 import moderngl
@@ -28,21 +29,21 @@ class GBuffer:
     def __init__(self, context: moderngl.Context, passes: Passes, size: tuple[int, int]) -> None:
         self.passes = passes
         self.size = size
-        self.surface = framebuffer(context, size, (4, "f2"), (1, "f4"), (2, "f2"), deep=True)
-        _, depths, _ = textures_of(self.surface)
-        plant = self.surface.depth_attachment
+        color, scalar, vector = (4, "f2"), (1, "f4"), (2, "f2")
+        create = partial(framebuffer, context, size)
+        self.surface = create(colors=color, depths=scalar, normals=vector, deep=True)
+        plant, depths = self.surface.depth_attachment, textures_of(self.surface)["depths"]
         self._mask = context.framebuffer([], plant)
-        other_depths = framebuffer(context, size, (1, "f4"), depth=plant)
-        self.filtered = [context.framebuffer([depths], plant), other_depths]
-        self.lit = framebuffer(context, size, (4, "f2"), depth=plant)
-        self.points = framebuffer(context, size, (1, "u4"), (1, "u4"), deep=True)
-        self.front = framebuffer(context, size, (1, "f4"), deep=True)
-        formats, depth = ((4, "f2"), (4, "f2"), (2, "f2")), self.front.depth_attachment
-        self.sums = framebuffer(context, size, *formats, depth=depth)
+        self.filtered = [create(depths=one, depth=plant) for one in (depths, scalar)]
+        self.lit = create(light=color, depth=plant)
+        self.points = create(nearest=(1, "u4"), picked=(1, "u4"), deep=True)
+        self.front = create(front=scalar, deep=True)
+        depth = self.front.depth_attachment
+        self.sums = create(color_sums=color, moment_sums=color, normal_sums=vector, depth=depth)
         for tests_only in (*self.filtered, self.lit, self.sums):
             tests_only.depth_mask = False
         across, down = (-(-side // TILE) for side in size)
-        self._tiles = framebuffer(context, (across, down), (1, "f1"))
+        self._tiles = framebuffer(context, (across, down), tiles=(1, "f1"))
 
     def mark_tiles(self, name: str, **uniforms: Any) -> None:
         """Run a fragment shader that writes in which tiles `fill` finds points or splats."""
@@ -51,10 +52,9 @@ class GBuffer:
 
     def fill(self, name: str, **uniforms: Any) -> None:
         """Run a fragment shader that writes the surface and where the plant is."""
-        (occupied,) = textures_of(self._tiles)
         self.surface.viewport = (0, 0, *self.size)
         draw_into(self.surface, depth="1")
-        self.passes.fill(name, tiles=occupied, **uniforms)
+        self.passes.fill(name, **textures_of(self._tiles), **uniforms)
 
     def clear(self) -> None:
         """Begin a picture without a plant; colours and normals count only where a plant is."""
@@ -84,26 +84,33 @@ def draw_into(
 def framebuffer(
     context: moderngl.Context,
     size: tuple[int, int],
-    *formats: tuple[int, str],
+    *,
     deep: bool = False,
     depth: Any = None,
     linear: bool = False,
+    **textures: tuple[int, str] | moderngl.Texture,
 ) -> moderngl.Framebuffer:
-    """Create a framebuffer with textures of its own.
+    """Create a framebuffer.
 
-    formats: channels and type of each, as `texture` takes them.
-    deep:    with a depth buffer; depth: another framebuffer's.
+    deep:     with a depth buffer; depth: another framebuffer's.
+    textures: channels and type of each, as `texture` takes them, or one that is there already, by
+              the names that shaders read them by.
     Raises OutOfGpuMemory where there is no room for it.
     """
     with pictures_of(size):
-        textures = [texture(context, size, *format, linear=linear) for format in formats]
+        found = {
+            name: one if isinstance(one, moderngl.Texture) else texture(context, size, *one, linear)
+            for name, one in textures.items()
+        }
         depth = context.depth_renderbuffer(size) if deep else depth
-        return context.framebuffer(textures, depth)
+        made = context.framebuffer(list(found.values()), depth)
+    made.extra = found
+    return made
 
 
-def textures_of(framebuffer: moderngl.Framebuffer) -> tuple[moderngl.Texture, ...]:
-    """The textures that a framebuffer writes."""
-    return cast(tuple[moderngl.Texture, ...], framebuffer.color_attachments)
+def textures_of(framebuffer: moderngl.Framebuffer) -> dict[str, Any]:
+    """The textures that a framebuffer writes, by the names that shaders read them by."""
+    return cast(dict[str, Any], framebuffer.extra)
 
 
 def texture(

@@ -1,6 +1,7 @@
 """The background: a wall, a floor, and the plant's soft shadow on the floor."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import moderngl
@@ -28,10 +29,9 @@ class Ground:
         self._points = points
         self._passes = passes
         # First the summed coverage, then shares of the light, for which bytes are precise enough.
-        self._shadows = [
-            framebuffer(points.context, (SIDE, SIDE), kind, linear=True)
-            for kind in ((2, "f2"), (4, "f1"), (4, "f1"))
-        ]
+        create = partial(framebuffer, points.context, (SIDE, SIDE), linear=True)
+        kinds = ((2, "f2"), (4, "f1"), (4, "f1"))
+        self._shadows = [create(shadow=kind) for kind in kinds]
         self._to_square, self._half_side = floor_square(points.clip)
 
     def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:
@@ -47,21 +47,21 @@ class Ground:
             uniforms = {
                 "from_above": self._to_square,
                 "reach": CONTACT_REACH * self._half_side,
-                "cover": drawn.total / max(some.points, 1) * point_area / texel,
+                "cover": drawn.layer.group.count / max(some.points, 1) * point_area / texel,
             }
             self._points.draw("shadow", [some], uniforms)
         for i, step in enumerate(((1.0 / SIDE, 0.0), (0.0, 1.0 / SIDE))):
             draw_into(self._shadows[i + 1])
-            (source,) = textures_of(self._shadows[i])
+            source = textures_of(self._shadows[i])["shadow"]
             self._passes.fill("blur", source=source, direction=step, saturate=i == 0)
 
     def uniforms(self, camera: Camera, style: Style) -> dict[str, Any]:
         """The uniforms of ground.glsl."""
         return {
-            "shadow": textures_of(self._shadows[-1])[0],
             "to_floor": self._to_square @ np.linalg.inv(camera.view()),
             "floor_share": float(style.show_ground),
             **vars(GROUNDS[style.ground]),
+            **textures_of(self._shadows[-1]),
         }
 
 

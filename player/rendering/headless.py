@@ -63,7 +63,7 @@ class Offscreen:
     def _begin(self, supersample: int) -> None:
         self.context = headless()
         supersample = samples_within(self.context, self.size, supersample)
-        self._framebuffer = framebuffer(self.context, self.size, (4, "f1"))
+        self._framebuffer = framebuffer(self.context, self.size, picture=(4, "f1"))
         self._renderer = Renderer(self.context, self.clip, supersample)
 
     def picture(
@@ -81,15 +81,14 @@ class Offscreen:
         PlayerError if that fails too, and ClipError for a file that was truncated after opening.
         """
         view = day, camera or self._home, style or Style(), transparent
-        samples = self._renderer.supersample
         try:
             return self._picture(*view)
         except OutOfGpuMemory:
-            if samples == 1:
+            if self._renderer.supersample == 1:
                 raise
             samples = 1
         except ContextLost:
-            pass
+            samples = self._renderer.supersample
         self.release()
         self._begin(samples)
         return self._picture(*view)

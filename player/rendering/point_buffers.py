@@ -50,9 +50,9 @@ class DrawRange:
     stride: int = 1
 
     @property
-    def total(self) -> int:
-        """Number of points of the layer."""
-        return self.layer.group.count
+    def missing(self) -> int:
+        """Number of the layer's other points, which are not on the GPU yet."""
+        return self.layer.group.count - self.count
 
     @property
     def points(self) -> int:
@@ -72,11 +72,6 @@ class Attribute(NamedTuple):
     kind: str  #: of an entry, as moderngl writes it
     name: str  #: in vertex shaders (point_attributes.glsl)
     location: int  #: there; in compute shaders the binding (point_storage.glsl)
-
-    @property
-    def entry_size(self) -> int:
-        """Bytes of an entry."""
-        return self.values[:1].nbytes
 
 
 def attributes_of(interval: Interval) -> list[Attribute]:
@@ -99,7 +94,7 @@ def chunk_length(interval: Interval) -> int:
 
 def bytes_per_point(interval: Interval) -> int:
     """Bytes of one point in all buffers of an interval."""
-    return sum(attribute.entry_size for attribute in attributes_of(interval))
+    return sum(values[:1].nbytes for values, *_ in attributes_of(interval))
 
 
 class ChunkBuffers:
@@ -112,10 +107,10 @@ class ChunkBuffers:
         self._context = context
         self._first = chunk.first
         self._arrays: dict[tuple[int, int], moderngl.VertexArray] = {}
-        self._buffers = [
-            (attribute, context.buffer(reserve=attribute.entry_size * chunk.count + PADDING))
-            for attribute in attributes_of(interval)
-        ]
+        self._buffers: list[tuple[Attribute, moderngl.Buffer]] = []
+        for attribute in attributes_of(interval):
+            size = attribute.values[:1].nbytes * chunk.count + PADDING
+            self._buffers.append((attribute, context.buffer(reserve=size)))
         self.size = sum(buffer.size for _, buffer in self._buffers)
         self.resident = 0  # points that are uploaded
         check_context(context)
@@ -126,10 +121,10 @@ class ChunkBuffers:
         Raises ClipError if the clip's file was truncated after it was opened.
         """
         some = slice(self._first + self.resident, self._first + stop)
-        for attribute, buffer in self._buffers:
-            check_not_truncated(attribute.values)
-            points = np.ascontiguousarray(attribute.values[some])
-            buffer.write(points, offset=self.resident * attribute.entry_size)
+        for (values, *_), buffer in self._buffers:
+            check_not_truncated(values)
+            points = np.ascontiguousarray(values[some])
+            buffer.write(points, offset=self.resident * values[:1].nbytes)
         self.resident = stop
 
     def array(

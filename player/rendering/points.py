@@ -48,16 +48,10 @@ class PointRaster:
                 raise
             self.backend = RasterBackend.POINTS
             self.rasterise(gbuffer, ranges, splats)
-        nearest, picked = textures_of(gbuffer.points)
-        reach = 1 if splats.typical_radius_px <= 1.5 else 2
-        gbuffer.mark_tiles("point_tiles", reach=reach, nearest=nearest)
-        uniforms = splats.uniforms() | {
-            "nearest": nearest,
-            "picked": picked,
-            "palette": self._points.palette,
-            "by_track": self._points.tracks_tell_colors,
-        }
-        gbuffer.fill("fill_holes", reach=reach, **uniforms)
+        reach, found = 1 if splats.typical_radius_px <= 1.5 else 2, textures_of(gbuffer.points)
+        gbuffer.mark_tiles("point_tiles", reach=reach, **found)
+        colors = {"palette": self._points.palette, "by_track": self._points.tracks_tell_colors}
+        gbuffer.fill("fill_holes", reach=reach, **splats.uniforms(), **found, **colors)
 
     def rasterise(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Find the nearest point in every sample: the only pass over all points."""
@@ -66,7 +60,7 @@ class PointRaster:
         if self.backend is RasterBackend.POINTS:
             self._points.draw("points", ranges, uniforms)
             return
-        nearest, picked = textures_of(gbuffer.points)
+        nearest, picked = textures_of(gbuffer.points).values()
         nearest.bind_to_image(0, read=True, write=True)
         self._points.compute("points", ranges, uniforms, PICK=0)
         if not self._points.tracks_tell_colors:

@@ -14,13 +14,12 @@ import numpy as np
 from gclip import Clip
 from gclip.evaluate import layers_at
 from gclip.morton import BLOCK
-from player.gl.framebuffer import TILE, GBuffer, draw_into, textures_of
+from player.gl.framebuffer import TILE, GBuffer, draw_into, framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.ground import Ground
-from player.rendering.picking import track_at
 from player.rendering.point_buffers import DrawRange, whole
 from player.rendering.point_cloud import PointCloud
-from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend
+from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend, clear_numbers
 from player.rendering.shading import shade, smooth_depths
 from player.rendering.splat_radius import ClosingDistances
 from player.rendering.splats import SplatParams, draw_behind, draw_splats
@@ -32,6 +31,8 @@ from player.view.style import Style
 # normals. It takes more overlap to find the surface's edge than to close its holes.
 FACING, ALIGNED = (2.3, 2.0), (2.6, 0.38)
 MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
+PICK_REACH = 10  # largest distance in pixels at which an organ still counts as hit
+NO_TRACK = 0xFFFFFFFF  # of pixels without a point (clear_points.frag)
 
 
 class Renderer:
@@ -68,7 +69,7 @@ class Renderer:
 
     def draw(
         self,
-        framebuffer: moderngl.Framebuffer,
+        target: moderngl.Framebuffer,
         day: float,
         camera: Camera,
         style: Style,
@@ -107,14 +108,14 @@ class Renderer:
         if not are_points and splats.edge < 1.0:
             draw_behind(points, gbuffer, ranges, splats)
             shade(gbuffer, splats, style)
-        framebuffer.viewport = (0, 0, *size)
-        draw_into(framebuffer)
-        (light,) = textures_of(gbuffer.lit)
+        target.viewport = (0, 0, *size)
+        draw_into(target)
         uniforms = splats.uniforms() | self._ground.uniforms(camera, style)
-        self._passes.fill("picture", **uniforms, light=light, transparent=transparent)
+        light = textures_of(gbuffer.lit)
+        self._passes.fill("picture", **uniforms, **light, transparent=transparent)
         if upload_budget is not None:
             self._closing.measure_ahead()
-        return _missing(ranges) == 0 and stride == 1
+        return stride == 1 and not any(drawn.missing for drawn in ranges)
 
     def organ_at(
         self,
@@ -124,17 +125,31 @@ class Renderer:
         at: tuple[float, float],
         size: tuple[float, float],
     ) -> int | None:
-        """The track of the organ at a position in the picture; None beside the plant.
+        """The track of the organ nearest to a position in the picture, of several the one in front;
+        None beside the plant. The GPU draws the numbers of the tracks around the position.
 
         Points that are not on the GPU yet and organs that lie on the ground are ignored.
 
         at:   the position, from the top left corner.
         size: width and height of the picture, in the same unit.
         """
-        samples = (max(round(size[0]), 1), max(round(size[1]), 1))
-        ranges, splats = self._prepared(day, camera, style, samples, 1, 0.0)
+        width, height = (max(round(side), 1) for side in size)
+        ranges, splats = self._prepared(day, camera, style, (width, height), 1, 0.0)
         standing = [drawn for drawn in ranges if not drawn.layer.litter]
-        return track_at(self._points, self._passes, standing, splats, at)
+        side = 2 * PICK_REACH + 1
+        target = framebuffer(self.context, (side, side), tracks=(1, "u4"), deep=True)
+        clear_numbers(self._passes, target)
+        x, y = int(at[0]), height - 1 - int(at[1])
+        target.viewport = PICK_REACH - x, PICK_REACH - y, width, height
+        self._points.draw("splat_pick", standing, splats.uniforms())
+        pixels = textures_of(target)["tracks"].read()
+        tracks = np.frombuffer(pixels, np.uint32).reshape(side, side)
+        rows, columns = np.nonzero(tracks != NO_TRACK)
+        distances = np.hypot(rows - PICK_REACH, columns - PICK_REACH)
+        if distances.min(initial=np.inf) > PICK_REACH:
+            return None
+        nearest = int(distances.argmin())
+        return int(tracks[rows[nearest], columns[nearest]])
 
     @property
     def loaded(self) -> int:
@@ -169,7 +184,8 @@ class Renderer:
             smallest = max(style.pixels * samples[1] / 720, smallest)
         sizes = (smallest, self._max_point_px)
         splats = SplatParams(camera, samples, radius, sizes, self._scene_radius, edge)
-        if style.pixels is None and (missing := _missing(ranges)):
+        missing = sum(drawn.missing for drawn in ranges)
+        if missing and style.pixels is None:
             # Whole blocks of neighbours are missing until they are uploaded; larger splats fill
             # the gaps, as long as they are drawn fast.
             drawn = max(sum(one.count for one in ranges), 1)
@@ -196,8 +212,3 @@ def scene_radius(clip: Clip) -> float:
     """Half the diagonal of a clip's bounding box, in its unit."""
     points = outline(clip)
     return max(float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) / 2, 1e-9)
-
-
-def _missing(ranges: list[DrawRange]) -> int:
-    """Number of points that are not on the GPU yet."""
-    return sum(drawn.total - drawn.count for drawn in ranges)

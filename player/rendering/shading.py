@@ -1,7 +1,5 @@
 """Lights the nearest surface by its depths and, if the clip has normals, by these."""
 
-from typing import Any
-
 import moderngl
 
 from player.gl.framebuffer import GBuffer, draw_into, textures_of
@@ -16,19 +14,18 @@ def smooth_depths(gbuffer: GBuffer, splats: SplatParams) -> None:
     """Filter the scanner's noise out of the depths."""
     for source, direction in enumerate(((1, 0), (0, 1))):
         draw_into(gbuffer.filtered[1 - source], depth="<")
-        (depths,) = textures_of(gbuffer.filtered[source])
-        gbuffer.passes.fill("bilateral", **splats.uniforms(), depths=depths, direction=direction)
+        uniforms = splats.uniforms() | textures_of(gbuffer.filtered[source])
+        gbuffer.passes.fill("bilateral", **uniforms, direction=direction)
 
 
 def shade(gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
     """Light the surface in the G-buffer, and blend it behind what has been lit before."""
     draw_into(gbuffer.lit, depth="<", blend=(moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE))
-    names, camera = ("colors", "depths", "normals"), splats.camera
-    surface: dict[str, Any] = dict(zip(names, textures_of(gbuffer.surface), strict=True))
+    camera = splats.camera
     gbuffer.passes.fill(
         "shade",
         **splats.uniforms(),
-        **surface,
+        **textures_of(gbuffer.surface),
         **vars(GROUNDS[style.ground]),
         eye_dome=style.eye_dome,
         depth_cue=DEPTH_CUE * style.depth_cue,

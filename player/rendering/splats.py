@@ -91,8 +91,7 @@ def draw_splats(
     draw_into(gbuffer.sums, depth="<", blend=(moderngl.ONE, moderngl.ONE))
     gbuffer.sums.clear(viewport=picture)
     points.draw("splat_sum", ranges, uniforms | {"lift": 1.0})
-    names = ("color_sums", "moment_sums", "normal_sums")
-    summed = dict(zip(names, textures_of(gbuffer.sums), strict=True))
+    summed = textures_of(gbuffer.sums)
     gbuffer.mark_tiles("splat_tiles", **summed)
     gbuffer.fill("splat_resolve", **uniforms, **summed)
 
@@ -101,9 +100,8 @@ def draw_behind(
     points: PointCloud, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams
 ) -> None:
     """Replace the G-buffer by the surface that shows behind the edges of the nearest one."""
-    (light,) = textures_of(gbuffer.lit)
     uniforms = _with_margin(points, gbuffer, splats)
-    gbuffer.fill("splat_covered", light=light, **uniforms)
+    gbuffer.fill("splat_covered", **uniforms, **textures_of(gbuffer.lit))
     gbuffer.surface.viewport = gbuffer.front.viewport
     draw_into(gbuffer.surface, depth="<")
     points.draw("splat_behind", ranges, uniforms)
@@ -120,5 +118,5 @@ def _with_margin(points: PointCloud, gbuffer: GBuffer, splats: SplatParams) -> d
     wide, tall = width + 2 * margin, height + 2 * margin
     gbuffer.front.viewport = gbuffer.sums.viewport = (-margin, -margin, wide, tall)
     shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
-    (front,) = textures_of(gbuffer.front)
-    return splats.uniforms() | {"front": front, "projection": shrunk @ splats.projection}
+    front = textures_of(gbuffer.front)
+    return splats.uniforms() | front | {"projection": shrunk @ splats.projection}
