@@ -1,6 +1,6 @@
 """Textures, and the framebuffers that one pass writes and the next one reads."""
 
-from functools import partial
+from functools import cached_property, partial
 from typing import Any, cast
 
 import moderngl
@@ -9,6 +9,7 @@ from player.gl.gl_errors import pictures_of
 from player.gl.shader import Passes
 
 TILE = 16  # side in samples of the tiles by which empty parts of a picture are skipped
+COLOR, SCALAR, VECTOR = (4, "f2"), (1, "f4"), (2, "f2")  # channels and their type
 NOTHING = 1e4  # relative depth of samples without a point (shaders/depth.glsl)
 
 
@@ -21,29 +22,39 @@ class GBuffer:
     surface:  colours (linear light and coverage), relative depths (shaders/depth.glsl), normals.
     filtered: depths again, and other depths: filtering writes one from the other and back.
     lit:      the light from the plant times coverage, and coverage.
-    points:   number (nearest_point.glsl) and colour of the nearest point in every sample.
-    front:    depth of the splats' nearest surface in every sample.
-    sums:     weighted sums over the splats of that surface.
     """
 
     def __init__(self, context: moderngl.Context, passes: Passes, size: tuple[int, int]) -> None:
         self.passes = passes
         self.size = size
-        color, scalar, vector = (4, "f2"), (1, "f4"), (2, "f2")
-        create = partial(framebuffer, context, size)
-        self.surface = create(colors=color, depths=scalar, normals=vector, deep=True)
+        self._create = partial(framebuffer, context, size)
+        self.surface = self._create(colors=COLOR, depths=SCALAR, normals=VECTOR, deep=True)
         plant, depths = self.surface.depth_attachment, textures_of(self.surface)["depths"]
         self._mask = context.framebuffer([], plant)
-        self.filtered = [create(depths=one, depth=plant) for one in (depths, scalar)]
-        self.lit = create(light=color, depth=plant)
-        self.points = create(nearest=(1, "u4"), picked=(1, "u4"), deep=True)
-        self.front = create(front=scalar, deep=True)
-        depth = self.front.depth_attachment
-        self.sums = create(color_sums=color, moment_sums=color, normal_sums=vector, depth=depth)
-        for tests_only in (*self.filtered, self.lit, self.sums):
+        self.filtered = [self._create(depths=one, depth=plant) for one in (depths, SCALAR)]
+        self.lit = self._create(light=COLOR, depth=plant)
+        for tests_only in (*self.filtered, self.lit):
             tests_only.depth_mask = False
         across, down = (-(-side // TILE) for side in size)
         self._tiles = framebuffer(context, (across, down), tiles=(1, "f1"))
+
+    @cached_property
+    def points(self) -> moderngl.Framebuffer:
+        """Number (nearest_point.glsl) and colour of the nearest point in every sample."""
+        return self._create(nearest=(1, "u4"), picked=(1, "u4"), deep=True)
+
+    @cached_property
+    def front(self) -> moderngl.Framebuffer:
+        """Depth of the splats' nearest surface in every sample."""
+        return self._create(front=SCALAR, deep=True)
+
+    @cached_property
+    def sums(self) -> moderngl.Framebuffer:
+        """Weighted sums over the splats of that surface; tests depths, and writes none."""
+        depth = self.front.depth_attachment
+        sums = self._create(color_sums=COLOR, moment_sums=COLOR, normal_sums=VECTOR, depth=depth)
+        sums.depth_mask = False
+        return sums
 
     def mark_tiles(self, name: str, **uniforms: Any) -> None:
         """Run a fragment shader that writes in which tiles `fill` finds points or splats."""

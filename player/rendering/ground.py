@@ -38,18 +38,18 @@ class Ground:
         """Render the shadow; point_area: area in the clip's unit that each of all points covers."""
         draw_into(self._shadows[0], blend=(moderngl.ONE, moderngl.ONE))
         self._shadows[0].clear()
-        candidates = sum(min(drawn.points, MAX_CANDIDATES) for drawn in ranges)
+        candidates = sum(min(-(-one.count // one.stride), MAX_CANDIDATES) for one in ranges)
         share = min(SHADOW_POINTS / max(candidates, 1), 1.0)
         texel = (2.0 * self._half_side / SIDE) ** 2
         for drawn in ranges:
             count, stride = min(drawn.count, MAX_CANDIDATES), max(round(drawn.stride / share), 1)
-            some = replace(drawn, count=count, stride=stride)
+            each = drawn.layer.group.count / max(-(-count // stride), 1)
             uniforms = {
                 "from_above": self._to_square,
                 "reach": CONTACT_REACH * self._half_side,
-                "cover": drawn.layer.group.count / max(some.points, 1) * point_area / texel,
+                "cover": each * point_area / texel,
             }
-            self._points.draw("shadow", [some], uniforms)
+            self._points.draw("shadow", [replace(drawn, count=count, stride=stride)], uniforms)
         for i, step in enumerate(((1.0 / SIDE, 0.0), (0.0, 1.0 / SIDE))):
             draw_into(self._shadows[i + 1])
             source = textures_of(self._shadows[i])["shadow"]

@@ -54,11 +54,6 @@ class DrawRange:
         """Number of the layer's other points, which are not on the GPU yet."""
         return self.layer.group.count - self.count
 
-    @property
-    def points(self) -> int:
-        """Number of points that are drawn."""
-        return -(-self.count // self.stride)
-
 
 def whole(layers: list[Layer], stride: int = 1) -> list[DrawRange]:
     """Ranges of all points of some layers, or of every n-th one."""

@@ -81,8 +81,7 @@ class Renderer:
     ) -> bool:
         """Draw the plant on a day over all of a framebuffer.
 
-        Returns whether every point was drawn. The framebuffer stays bound, with
-        blending and depth test switched off.
+        Returns whether every point was drawn. The framebuffer stays bound, without a depth test.
 
         size:          width and height of the framebuffer in pixels.
         stride:        draw every n-th point only, and larger.
