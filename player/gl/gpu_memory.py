@@ -19,7 +19,8 @@ def total(context: moderngl.Context) -> int:
         for extension, name in REPORTED.items():
             if extension in context.extensions:
                 get_integers(name, kib)
-                return kib[0] * 1024
+        if kib[0] > 0:
+            return kib[0] * 1024
     try:
         return os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") // 2
     except (AttributeError, ValueError, OSError):
