@@ -42,6 +42,13 @@ def context() -> Iterator[moderngl.Context]:
     made.release()
 
 
+@pytest.fixture
+def compute_context(context: moderngl.Context) -> moderngl.Context:
+    if context.version_code < 430:
+        pytest.skip("compute shaders need OpenGL 4.3")
+    return context
+
+
 def sheet(side: int = 40) -> np.ndarray:
     """(side², 3) an upright sheet, 40 wide and 40 high, that faces the eye at yaw -90 degrees."""
     across, above = np.meshgrid(np.linspace(-20, 20, side), np.linspace(0, 40, side))
