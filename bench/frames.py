@@ -38,7 +38,6 @@ import numpy as np
 import gclip
 from bench.synthetic import growing, static
 from gclip import Clip
-from gclip.evaluate import layers_at
 from player.export import Film, export
 from player.export.video import BT709, X264, encode
 from player.gl.context import headless
@@ -116,8 +115,7 @@ def _draw_times(
     renderer.draw(framebuffer, 0.5, camera, Style(), size)
 
     def rasterise(backend: RasterBackend) -> None:
-        view = (0.5, camera, Style(), size)
-        ranges, splats, _ = renderer._prepared(layers_at(clip, 0.5), *view, 1, None)
+        ranges, splats = renderer._prepared(0.5, camera, Style(), size, 1, None)
         renderer._raster.backend = backend
         renderer._raster.rasterise(renderer._gbuffer_of(size), ranges, splats)
 
@@ -129,7 +127,9 @@ def _draw_times(
     best, profile = [0.0, 0.0, 0.0], ""
     for k, work in enumerate(works):
         _finished(context, work)  # compiles the shaders, uploads the movers
-        renderer.timers.reset()
+        renderer.timers.finish_frame()
+        renderer.timers.frames = 0
+        renderer.timers.totals.clear()
         times = [milliseconds(partial(_finished, context, work), clock) for _ in range(ROUNDS)]
         best[k] = min(times)
         if k == 0:
@@ -175,7 +175,7 @@ def seek(clips: list[Path], size: Size, jumps: int) -> None:
         camera = Camera.home(clip, size[0] / size[1])
         pace = DynamicResolution(max(len(interval) for interval in clip.intervals))
         loading, whole = [0.0] * jumps, []
-        load = renderer._points.store.load
+        load = renderer._points.buffers.load
 
         def timed_load(*given: Any, load: Any = load, loading: list[float] = loading) -> Any:
             began = time.process_time()
@@ -184,7 +184,7 @@ def seek(clips: list[Path], size: Size, jumps: int) -> None:
             finally:
                 loading[len(whole)] += 1e3 * (time.process_time() - began)  # noqa: B023
 
-        renderer._points.store.load = timed_load  # type: ignore[method-assign]
+        renderer._points.buffers.load = timed_load  # type: ignore[method-assign]
         for day in np.random.default_rng(0).uniform(clip.times[0], clip.times[-1], jumps):
             stride, began = pace.detail(size).every, time.perf_counter()
             show = partial(renderer.draw, stride=stride, upload_budget=LOADING)

@@ -13,6 +13,10 @@ uniform vec2 point_px_range; // smallest and largest diameter of a splat in samp
 const float NOTHING = 1e4;  // the relative depth where no point is
 const float UNKNOWN = 2.0;  // a normal that is to be found from depths
 
+// Of a splat, in its radii: where it stops to hide what lies behind, where it stops to contribute to
+// the surface (its weight there is 4 %), and the depth over which splats count as one surface.
+const float CORE = 0.7, RIM = 0.9, THICKNESS = 1.6;
+
 float relative_depth(float view_depth) {
     return (view_depth - target_depth) / scene_radius;
 }

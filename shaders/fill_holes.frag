@@ -11,9 +11,6 @@ uniform usampler2D picked;
 uniform sampler2D palette;
 uniform bool by_track;        // the ten bits name the colour
 
-const float CORE = 0.7;  // share of its radius in which a splat hides what lies behind
-const float THICKNESS = 1.6;  // depth, in splat radii, over which splats count as one surface
-
 uint number_at(ivec2 texel) {
     return texelFetch(nearest, clamp(texel, ivec2(0), samples - 1), 0).r;
 }

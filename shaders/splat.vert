@@ -7,9 +7,7 @@
 
 uniform mat4 view;
 uniform mat4 projection;
-uniform float thickness;  // depth, in radii, over which splats count as one surface
-uniform float span;       // distance from the centre, in radii, up to which the pass draws the splat
-uniform float lift;       // 1 to test the nearest depth of a surface that the splat belongs to, else 0
+uniform float lift;  // 1 to draw whole splats, and test the nearest depth of their surface; else 0
 
 flat out vec3 v_color;
 flat out vec3 v_depth;  // before the eye, of the middle; how much it grows aside in one radius
@@ -63,12 +61,12 @@ void main() {
     vec2 along = slope / max(length(slope), 1e-6);
     slope = along * min(length(slope), min(STEEPEST, 0.5 * diameter / THINNEST_PX));
     v_stretch = along * sqrt(sqrt(1.0 + dot(slope, slope)) - 1.0);
-    v_span = span * extent_of(v_stretch);
+    v_span = (lift > 0.0 ? RIM : CORE) * extent_of(v_stretch);
 
     gl_Position = size == 0.0 ? vec4(2.0, 2.0, 2.0, 1.0) : projection * view_pos;
     gl_PointSize = diameter * v_span;
     if (gl_Position.z > -gl_Position.w) {
-        float lifted = depth - lift * v_radius * (thickness + length(slope));
+        float lifted = depth - lift * v_radius * (THICKNESS + length(slope));
         vec4 nearer = projection * vec4(0.0, 0.0, -max(lifted, 1e-3 * depth), 1.0);
         gl_Position.z = gl_Position.w * max(nearer.z / nearer.w, -1.0);
     }

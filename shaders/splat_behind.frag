@@ -13,7 +13,7 @@ layout(location = 2) out vec2 out_normal;
 void main() {
     float depth = relative_depth(depth_in_core());
     float behind = depth - texelFetch(front, ivec2(gl_FragCoord.xy), 0).r;
-    if (behind < thickness * v_radius / scene_radius) {
+    if (behind < THICKNESS * v_radius / scene_radius) {
         discard;
     }
     out_color = vec4(v_color, 1.0);

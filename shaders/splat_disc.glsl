@@ -1,9 +1,6 @@
 // The position of a fragment in its splat.
 #include "depth.glsl"
 
-uniform float core;       // distance from the centre, in radii, in which a splat hides what is behind
-uniform float thickness;  // depth, in radii, over which splats count as one surface
-
 flat in vec3 v_depth;  // see splat.vert
 flat in float v_radius;
 flat in float v_span;
@@ -25,7 +22,7 @@ float depth_in_disc() {
 
 float depth_in_core() {
     vec2 at = place_in_disc();
-    if (dot(at, at) > core * core) {
+    if (dot(at, at) > CORE * CORE) {
         discard;
     }
     return depth_in_disc();

@@ -15,7 +15,7 @@ layout(location = 2) out vec2 out_normal;
 
 void main() {
     vec2 at = place_in_disc();
-    float rise = 1.0 - dot(at, at), most = thickness * v_radius / scene_radius;
+    float rise = 1.0 - dot(at, at), most = THICKNESS * v_radius / scene_radius;
     float nearest = texelFetch(front, ivec2(gl_FragCoord.xy), 0).r;
     bool is_rim = nearest == NOTHING;  // no core covers the sample
     float behind = relative_depth(depth_in_disc()) - (is_rim ? 0.0 : nearest);

@@ -55,5 +55,4 @@ def _created(**settings: Any) -> moderngl.Context:
 
 
 def _reason(error: Exception) -> str:
-    lines = str(error).strip().splitlines()
-    return lines[0].rstrip(".") if lines else type(error).__name__
+    return str(error).strip().partition("\n")[0].rstrip(".") or type(error).__name__

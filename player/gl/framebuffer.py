@@ -1,6 +1,6 @@
 """Textures, and the framebuffers that one pass writes and the next one reads."""
 
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, cast
 
 import moderngl
@@ -9,6 +9,7 @@ from player.gl.gl_errors import pictures_of
 from player.gl.shader import Passes
 
 TILE = 16  # side in samples of the tiles by which empty parts of a picture are skipped
+COLOR, SCALAR, VECTOR = (4, "f2"), (1, "f4"), (2, "f2")  # channels and their type
 NOTHING = 1e4  # relative depth of samples without a point (shaders/depth.glsl)
 
 
@@ -23,60 +24,48 @@ class GBuffer:
     lit:      the light from the plant times coverage, and coverage.
     """
 
-    def __init__(self, context: moderngl.Context, size: tuple[int, int]) -> None:
-        self._context = context
+    def __init__(self, context: moderngl.Context, passes: Passes, size: tuple[int, int]) -> None:
+        self.passes = passes
         self.size = size
-        self.surface = framebuffer(context, size, (4, "f2"), (1, "f4"), (2, "f2"), deep=True)
-        _, depths, _ = textures_of(self.surface)
-        plant = self.surface.depth_attachment
+        self._create = partial(framebuffer, context, size)
+        self.surface = self._create(colors=COLOR, depths=SCALAR, normals=VECTOR, deep=True)
+        plant, depths = self.surface.depth_attachment, textures_of(self.surface)["depths"]
         self._mask = context.framebuffer([], plant)
-        self.filtered = [
-            context.framebuffer([depths], plant),
-            framebuffer(context, size, (1, "f4"), depth=plant),
-        ]
-        self.lit = framebuffer(context, size, (4, "f2"), depth=plant)
-        for one in (*self.filtered, self.lit):
-            one.depth_mask = False
+        self.filtered = [self._create(depths=one, depth=plant) for one in (depths, SCALAR)]
+        self.lit = self._create(light=COLOR, depth=plant)
+        for tests_only in (*self.filtered, self.lit):
+            tests_only.depth_mask = False
+        across, down = (-(-side // TILE) for side in size)
+        self._tiles = framebuffer(context, (across, down), tiles=(1, "f1"))
 
     @cached_property
     def points(self) -> moderngl.Framebuffer:
         """Number (nearest_point.glsl) and colour of the nearest point in every sample."""
-        return framebuffer(self._context, self.size, (1, "u4"), (1, "u4"), deep=True)
+        return self._create(nearest=(1, "u4"), picked=(1, "u4"), deep=True)
 
     @cached_property
-    def tiles(self) -> moderngl.Framebuffer:
-        """Which tiles of TILE by TILE samples have points or splats in or near them."""
-        width, height = self.size
-        return framebuffer(self._context, (-(-width // TILE), -(-height // TILE)), (1, "f1"))
-
-    @cached_property
-    def splat_front(self) -> moderngl.Framebuffer:
+    def front(self) -> moderngl.Framebuffer:
         """Depth of the splats' nearest surface in every sample."""
-        return framebuffer(self._context, self.size, (1, "f4"), deep=True)
+        return self._create(front=SCALAR, deep=True)
 
     @cached_property
-    def splat_sums(self) -> moderngl.Framebuffer:
+    def sums(self) -> moderngl.Framebuffer:
         """Weighted sums over the splats of that surface; tests depths, and writes none."""
-        formats = (4, "f2"), (4, "f2"), (2, "f2")
-        depth = self.splat_front.depth_attachment
-        sums = framebuffer(self._context, self.size, *formats, depth=depth)
+        depth = self.front.depth_attachment
+        sums = self._create(color_sums=COLOR, moment_sums=COLOR, normal_sums=VECTOR, depth=depth)
         sums.depth_mask = False
         return sums
 
-    def mark_tiles(self, passes: Passes, name: str, **uniforms: Any) -> None:
-        """Run a fragment shader that writes which tiles `fill` runs on."""
-        self.tiles.use()
-        self._context.enable_only(moderngl.NOTHING)
-        passes.fill(name, **uniforms)
+    def mark_tiles(self, name: str, **uniforms: Any) -> None:
+        """Run a fragment shader that writes in which tiles `fill` finds points or splats."""
+        draw_into(self._tiles)
+        self.passes.fill(name, **uniforms)
 
-    def fill(self, passes: Passes, name: str, **uniforms: Any) -> None:
+    def fill(self, name: str, **uniforms: Any) -> None:
         """Run a fragment shader that writes the surface and where the plant is."""
-        (occupied,) = textures_of(self.tiles)
         self.surface.viewport = (0, 0, *self.size)
-        self.surface.use()
-        self._context.enable_only(moderngl.DEPTH_TEST)
-        self._context.depth_func = "1"
-        passes.fill(name, tiles=occupied, **uniforms)
+        draw_into(self.surface, depth="1")
+        self.passes.fill(name, **textures_of(self._tiles), **uniforms)
 
     def clear(self) -> None:
         """Begin a picture without a plant; colours and normals count only where a plant is."""
@@ -86,29 +75,53 @@ class GBuffer:
             depths.clear(NOTHING)
 
 
+def draw_into(
+    target: moderngl.Framebuffer, *, depth: str = "", blend: tuple[int, int] | None = None
+) -> None:
+    """Draw into a framebuffer from now on.
+
+    depth: how a depth has to compare with the one that is there, "1" for anyhow; untested if "".
+    blend: factors of what is drawn and of what is there; by default it is replaced.
+    """
+    context = target.ctx
+    tests = moderngl.DEPTH_TEST if depth else moderngl.NOTHING
+    blends = moderngl.BLEND if blend else moderngl.NOTHING
+    context.enable_only(moderngl.PROGRAM_POINT_SIZE | tests | blends)
+    context.depth_func = depth or "<"
+    context.blend_func = blend or (moderngl.ONE, moderngl.ZERO)
+    target.use()
+
+
 def framebuffer(
     context: moderngl.Context,
     size: tuple[int, int],
-    *formats: tuple[int, str],
+    *,
     deep: bool = False,
     depth: Any = None,
     linear: bool = False,
+    **textures: tuple[int, str] | moderngl.Texture,
 ) -> moderngl.Framebuffer:
-    """Create a framebuffer with textures of its own.
+    """Create a framebuffer.
 
-    formats: channels and type of each, as `texture` takes them.
-    deep:    with a depth buffer; depth: another framebuffer's.
+    deep:     with a depth buffer; depth: another framebuffer's.
+    textures: channels and type of each, as `texture` takes them, or one that is there already, by
+              the names that shaders read them by.
     Raises OutOfGpuMemory where there is no room for it.
     """
     with pictures_of(size):
-        textures = [texture(context, size, *format, linear=linear) for format in formats]
+        found = {
+            name: one if isinstance(one, moderngl.Texture) else texture(context, size, *one, linear)
+            for name, one in textures.items()
+        }
         depth = context.depth_renderbuffer(size) if deep else depth
-        return context.framebuffer(textures, depth)
+        made = context.framebuffer(list(found.values()), depth)
+    made.extra = found
+    return made
 
 
-def textures_of(framebuffer: moderngl.Framebuffer) -> tuple[moderngl.Texture, ...]:
-    """The textures that a framebuffer writes."""
-    return cast(tuple[moderngl.Texture, ...], framebuffer.color_attachments)
+def textures_of(framebuffer: moderngl.Framebuffer) -> dict[str, Any]:
+    """The textures that a framebuffer writes, by the names that shaders read them by."""
+    return cast(dict[str, Any], framebuffer.extra)
 
 
 def texture(

@@ -1,8 +1,7 @@
 """Compile shaders, set their uniforms, and run passes over the whole picture."""
 
 import itertools
-from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from typing import Any, cast
 
 import moderngl
@@ -14,31 +13,22 @@ from player.gl.timers import PassTimers
 from shaders import source
 
 
-def program(
-    context: moderngl.Context, vertex: str, fragment: str, **definitions: int | float
-) -> moderngl.Program:
-    """Compile `<vertex>.vert` and `<fragment>.frag`. Raises PlayerError as `compute` does."""
-    sources = source(f"{vertex}.vert", **definitions), source(f"{fragment}.frag", **definitions)
-    with _compiling(f"{vertex}, {fragment}"):
-        return uninterrupted(context.program, vertex_shader=sources[0], fragment_shader=sources[1])
+def program(context: moderngl.Context, *files: str, **definitions: int | float) -> Any:
+    """Compile a vertex and a fragment shader, or a compute shader, which needs OpenGL 4.3.
 
-
-def compute(
-    context: moderngl.Context, name: str, **definitions: int | float
-) -> moderngl.ComputeShader:
-    """Compile `<name>.comp`; needs OpenGL 4.3. Raises PlayerError where the driver can't."""
-    with _compiling(name):
-        return uninterrupted(context.compute_shader, source(f"{name}.comp", **definitions))
-
-
-@contextmanager
-def _compiling(name: str) -> Iterator[None]:
+    Raises PlayerError where the driver can't.
+    """
+    sources = [source(file, **definitions) for file in files]
     try:
-        yield
+        if len(sources) == 1:
+            return uninterrupted(context.compute_shader, *sources)
+        vertex, fragment = sources
+        return uninterrupted(context.program, vertex_shader=vertex, fragment_shader=fragment)
     except moderngl.Error as error:
         lines = [line.strip() for line in str(error).splitlines() if line.strip(" =-")]
+        reason = " ".join(lines[:4])[:200]
         raise PlayerError(
-            f"this graphics driver can't compile the shader {name} ({' '.join(lines[:4])[:200]}); "
+            f"this graphics driver can't compile the shader {files[-1]} ({reason}); "
             "install a newer one, or set LIBGL_ALWAYS_SOFTWARE=1 to do without it."
         ) from None
 
@@ -94,7 +84,8 @@ class Passes:
         """
         if (name, reach) not in self._arrays:
             vertex = "tile" if tiles else "fullscreen"
-            compiled = program(self._context, vertex, name, REACH=reach, **self._definitions)
+            files, definitions = (f"{vertex}.vert", f"{name}.frag"), self._definitions
+            compiled = program(self._context, *files, REACH=reach, **definitions)
             self._arrays[name, reach] = self._context.vertex_array(compiled, [])
         array = self._arrays[name, reach]
         give(array.program, **uniforms, occupied=tiles)

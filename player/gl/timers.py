@@ -43,12 +43,6 @@ class PassTimers:
         self._running.clear()
         return seconds
 
-    def reset(self) -> None:
-        """Discard all measurements."""
-        self.finish_frame()
-        self.frames = 0
-        self.totals.clear()
-
 
 def profile_table(timers: list[PassTimers]) -> str:
     """A table of the mean milliseconds per frame of each pass."""

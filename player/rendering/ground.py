@@ -1,5 +1,7 @@
 """The background: a wall, a floor, and the plant's soft shadow on the floor."""
 
+from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import moderngl
@@ -7,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.gl.framebuffer import framebuffer, textures_of
+from player.gl.framebuffer import draw_into, framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -24,49 +26,42 @@ class Ground:
     """The floor under a clip's plant, and the plant's shadow."""
 
     def __init__(self, points: PointCloud, passes: Passes) -> None:
-        context = points.context
         self._points = points
         self._passes = passes
-        self._clip = points.clip
         # First the summed coverage, then shares of the light, for which bytes are precise enough.
+        create = partial(framebuffer, points.context, (SIDE, SIDE), linear=True)
         kinds = ((2, "f2"), (4, "f1"), (4, "f1"))
-        self._shadows = [framebuffer(context, (SIDE, SIDE), kind, linear=True) for kind in kinds]
+        self._shadows = [create(shadow=kind) for kind in kinds]
         self._to_square, self._half_side = floor_square(points.clip)
 
     def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:
         """Render the shadow; point_area: area in the clip's unit that each of all points covers."""
-        context, summed = self._points.context, self._shadows[0]
-        summed.use()
-        summed.clear()
-        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.BLEND)
-        context.blend_func = moderngl.ONE, moderngl.ONE
-        candidates = sum(min(drawn.points, MAX_CANDIDATES) for drawn in ranges)
+        draw_into(self._shadows[0], blend=(moderngl.ONE, moderngl.ONE))
+        self._shadows[0].clear()
+        candidates = sum(min(-(-one.count // one.stride), MAX_CANDIDATES) for one in ranges)
+        share = min(SHADOW_POINTS / max(candidates, 1), 1.0)
         texel = (2.0 * self._half_side / SIDE) ** 2
         for drawn in ranges:
-            some = drawn.reduced(MAX_CANDIDATES, min(SHADOW_POINTS / max(candidates, 1), 1.0))
+            count, stride = min(drawn.count, MAX_CANDIDATES), max(round(drawn.stride / share), 1)
+            each = drawn.layer.group.count / max(-(-count // stride), 1)
             uniforms = {
                 "from_above": self._to_square,
                 "reach": CONTACT_REACH * self._half_side,
-                "cover": drawn.total / max(some.points, 1) * point_area / texel,
+                "cover": each * point_area / texel,
             }
-            self._points.draw("shadow", [some], uniforms)
-        context.enable_only(0)
+            self._points.draw("shadow", [replace(drawn, count=count, stride=stride)], uniforms)
         for i, step in enumerate(((1.0 / SIDE, 0.0), (0.0, 1.0 / SIDE))):
-            self._shadows[i + 1].use()
-            (source,) = textures_of(self._shadows[i])
+            draw_into(self._shadows[i + 1])
+            source = textures_of(self._shadows[i])["shadow"]
             self._passes.fill("blur", source=source, direction=step, saturate=i == 0)
 
     def uniforms(self, camera: Camera, style: Style) -> dict[str, Any]:
         """The uniforms of ground.glsl."""
-        colors = GROUNDS[style.ground]
         return {
-            "shadow": textures_of(self._shadows[-1])[0],
             "to_floor": self._to_square @ np.linalg.inv(camera.view()),
             "floor_share": float(style.show_ground),
-            "top_color": colors.top_color,
-            "bottom_color": colors.bottom_color,
-            "floor_color": colors.floor_color,
-            "shadow_color": colors.shadow_color,
+            **vars(GROUNDS[style.ground]),
+            **textures_of(self._shadows[-1]),
         }
 
 

@@ -1,6 +1,5 @@
 """Draws pictures of a clip without a screen."""
 
-from contextlib import ExitStack
 from typing import Self
 
 import numpy as np
@@ -58,19 +57,14 @@ class Offscreen:
     def __init__(self, clip: Clip, size: tuple[int, int], supersample: int = 2) -> None:
         self.clip = clip
         self.size = size
-        self._supersample = supersample
         self._home = Camera.home(clip, size[0] / size[1])
-        self._begin()
+        self._begin(supersample)
 
-    def _begin(self) -> None:
-        with ExitStack() as made:
-            self.context = headless()
-            made.callback(self.context.release)
-            self._supersample = samples_within(self.context, self.size, self._supersample)
-            self._framebuffer = framebuffer(self.context, self.size, (4, "f1"))
-            self._renderer = Renderer(self.context, self.clip, self._supersample)
-            made.callback(self._renderer.release)
-            self._made = made.pop_all()
+    def _begin(self, supersample: int) -> None:
+        self.context = headless()
+        supersample = samples_within(self.context, self.size, supersample)
+        self._framebuffer = framebuffer(self.context, self.size, picture=(4, "f1"))
+        self._renderer = Renderer(self.context, self.clip, supersample)
 
     def picture(
         self,
@@ -90,27 +84,28 @@ class Offscreen:
         try:
             return self._picture(*view)
         except OutOfGpuMemory:
-            if self._supersample == 1:
+            if self._renderer.supersample == 1:
                 raise
-            self._supersample = 1
+            samples = 1
         except ContextLost:
-            pass
+            samples = self._renderer.supersample
         self.release()
-        self._begin()
+        self._begin(samples)
         return self._picture(*view)
 
     def _picture(
         self, day: float, camera: Camera, style: Style, transparent: bool
     ) -> NDArray[np.uint8]:
-        view = (self._framebuffer, day, camera, style, self.size)
-        self._renderer.draw(*view, transparent=transparent)
+        view = day, camera, style, self.size
+        self._renderer.draw(self._framebuffer, *view, transparent=transparent)
         pixels = np.frombuffer(self._framebuffer.read(components=4), np.uint8)
         check_context(self.context)
         return pixels.reshape(*self.size[::-1], 4)[::-1]
 
     def release(self) -> None:
         """Release the context; later calls do nothing."""
-        self._made.close()
+        self._renderer.release()
+        self.context.release()
 
     def __enter__(self) -> Self:
         return self

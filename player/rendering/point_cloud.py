@@ -10,92 +10,89 @@ from numpy.typing import NDArray
 from gclip import Clip, Interval, Motion
 from gclip.evaluate import Layer, bernstein
 from player.gl.framebuffer import texture
-from player.gl.gpu_memory import room
-from player.gl.shader import compute, give, program
+from player.gl.shader import give, program
 from player.gl.timers import PassTimers
-from player.rendering.point_buffers import ChunkBuffers, DrawRange, chunk_length
-from player.rendering.point_store import ChunkStore
-from player.view.colors import STEPS, Colors, ScalarField
+from player.rendering.point_buffers import ChunkBuffers, DrawRange, PointBuffers, chunk_length
+from player.view.colors import STEPS, Colors
 from player.view.style import Style
 
 PALETTE_WIDTH = 1024  # texels in a row of the palette
+MAX_TRACKS = 1024  # tracks that ten bits of a point's number distinguish (nearest_point.glsl)
 WORKGROUP = 128  # invocations in a workgroup of a compute shader
 POINTS_EACH = 4  # points that an invocation draws
 
 
 class PointCloud:
-    """A clip's chunks, its palette, and the programs for each shader and kind of interval.
+    """A clip's buffers, its colours, and the programs for each shader and kind of interval.
 
     memory: bytes of GPU memory for points; by default the driver is asked.
+    tracks_tell_colors: whether the ten track bits of a point's number determine its colour.
     """
 
     def __init__(self, context: moderngl.Context, clip: Clip, memory: int | None = None) -> None:
         self.context = context
-        self.timers = PassTimers(context)
         self.clip = clip
-        self.store = ChunkStore(context, clip, room(context) if memory is None else memory)
+        self.timers = PassTimers(context)
+        self.buffers = PointBuffers(context, clip, memory)
         rows = -(-len(clip.track_table) // PALETTE_WIDTH)
         self.palette = texture(context, (PALETTE_WIDTH, rows), 4, "f4")
-        self.ramp = texture(context, (STEPS, 1), 4, "f4")
-        self._longest_chunk = max(
-            (min(chunk_length(i), g.count) for i in clip.intervals for g in i.groups), default=0
-        )
-        # A newborn organ takes on its own colour from that of the organ it grows from.
-        self._has_births = any(track.born > clip.times[0] for track in clip.track_table)
+        self._ramp = texture(context, (STEPS, 1), 4, "f4")
+        self._colors = Colors(clip)
+        self._colored: tuple[float, Style] | None = None
+        self._definitions = {"SCALAR_FIELD": 0, "HAS_FLAGS": 0}
+        self._color_uniforms: dict[str, Any] = {}
         self._indices: dict[int, moderngl.Buffer] = {}
-        self._colored: object = None
-        self._definitions: dict[str, int] = {"SCALAR_FIELD": 0, "HAS_FLAGS": 0}
-        self._scalar: dict[str, object] = {}
         self._programs: dict[tuple[Any, ...], Any] = {}
 
-    def set_colors(self, colors: Colors, day: float, style: Style) -> None:
+    def set_colors(self, day: float, style: Style) -> None:
         """Set the colours of a day, as a style has them, for all draw calls that follow."""
-        changing = self._has_births or style.color_by == "age"
-        wanted = (day if changing else None, style)
-        if wanted == self._colored:
+        if self._colored == (day, style):
             return
+        tracks, field = len(self.clip.track_table), self._colors.scalar_field(style)
+        by_track = style.color_by in ("track", "age")
         texels = np.zeros((self.palette.height * PALETTE_WIDTH, 4), np.float32)
-        texels[: len(self.clip.track_table)] = colors.palette(day, style)
+        texels[:tracks] = self._colors.palette(day, style)
         self.palette.write(texels)
-        self.ramp.write(colors.ramp(style))
-        field = colors.scalar_field(style)
+        self._ramp.write(self._colors.ramp(style))
         self._definitions = {"SCALAR_FIELD": int(field), "HAS_FLAGS": int(style.marked)}
-        self._scalar = {} if field is ScalarField.NONE else colors.uniforms()
-        self._colored = wanted
+        self._color_uniforms = {"palette": self.palette, "ramp": self._ramp, "by_track": by_track}
+        if field:
+            self._color_uniforms |= self._colors.uniforms()
+        uncolored = by_track or not self.clip.has_colors
+        self.tracks_tell_colors = not field and uncolored and tracks <= MAX_TRACKS
+        self._colored = day, style
 
     def draw(self, name: str, ranges: list[DrawRange], uniforms: dict[str, Any]) -> None:
         """Draw points into the current framebuffer with the fragment shader `name`.
 
         The first word names the vertex shader: "splat_sum" has "splat".
         """
-        for drawn in ranges:
-            shader = self._program(name, drawn.layer, uniforms)
-            indices = self._every(drawn.stride)
-            with self.timers.timed(name):
-                for buffers, count in self._chunks(shader, drawn):
-                    array = buffers.array(shader, indices)
-                    array.render(moderngl.POINTS, vertices=-(-count // drawn.stride))
+        for shader, stride, buffers, count in self._chunks(name, ranges, uniforms):
+            array = buffers.array(shader, self._every(stride))
+            array.render(moderngl.POINTS, vertices=-(-count // stride))
 
     def compute(
         self, name: str, ranges: list[DrawRange], uniforms: dict[str, Any], **definitions: int
     ) -> None:
         """Run the compute shader `name` on points; requires OpenGL 4.3."""
-        for drawn in ranges:
-            shader = self._program(name, drawn.layer, uniforms, **definitions)
-            give(shader, stride=drawn.stride)
-            with self.timers.timed(name):
-                for buffers, count in self._chunks(shader, drawn):
-                    give(shader, count=count)
-                    buffers.bind()
-                    shader.run(-(-count // (POINTS_EACH * WORKGROUP * drawn.stride)))
+        for shader, stride, buffers, count in self._chunks(name, ranges, uniforms, **definitions):
+            buffers.bind()
+            shader.run(-(-count // (POINTS_EACH * WORKGROUP * stride)))
         self.context.memory_barrier()
 
-    def _chunks(self, shader: Any, drawn: DrawRange) -> Iterator[tuple[ChunkBuffers, int]]:
-        """The chunks of a range and the number of points to draw of each; sets `first_point`."""
-        for chunk, count in self.store.chunks(drawn):
-            if drawn.layer.alpha < 1.0:
-                give(shader, first_point=chunk.first)
-            yield self.store.fetch(chunk, count), count
+    def _chunks(
+        self, name: str, ranges: list[DrawRange], uniforms: dict[str, Any], **definitions: int
+    ) -> Iterator[tuple[Any, int, ChunkBuffers, int]]:
+        """The chunks of ranges: the program that draws each, with its uniforms set, the stride, the
+        buffers, and how many points to draw of them.
+        """
+        for drawn in ranges:
+            shader = self._program(name, drawn, **definitions)
+            give(shader, **uniforms, **self._color_uniforms, **self._uniforms(drawn))
+            with self.timers.timed(name):
+                for chunk, count in self.buffers.chunks(drawn):
+                    give(shader, first_point=chunk.first, count=count)
+                    yield shader, drawn.stride, self.buffers.fetch(chunk, count), count
 
     def _every(self, stride: int) -> moderngl.Buffer | None:
         """Index buffer of every `stride`-th point of a chunk.
@@ -103,49 +100,46 @@ class PointCloud:
         Strided vertex attributes would do without, but OpenGL limits strides to 2,048 bytes.
         """
         if stride > 1 and stride not in self._indices:
-            indices = np.arange(0, self._longest_chunk, stride, dtype=np.uint32)
+            longest = max(min(chunk_length(each), len(each)) for each in self.clip.intervals)
+            indices = np.arange(0, longest, stride, dtype=np.uint32)
             self._indices[stride] = self.context.buffer(indices)
         return self._indices.get(stride)
 
-    def _program(
-        self, name: str, layer: Layer, uniforms: dict[str, Any], **definitions: int
-    ) -> Any:
-        """The program for a layer, its uniforms set; a compute shader if there are definitions."""
-        interval = self.clip.intervals[layer.interval]
+    def _program(self, name: str, drawn: DrawRange, **definitions: int) -> Any:
+        """The program that draws a range; a compute shader if there are definitions."""
+        interval = self.clip.intervals[drawn.layer.interval]
         defined = {
             "DEGREE": interval.degree,
             "SCAN_COLORS": int(interval.start_colors is not None),
             "NORMALS": int(interval.normals is not None),
-            "FADING": int(layer.alpha < 1.0),
+            "QUANTISED": int(interval.box is not None),
+            "WIDE_TRACKS": int(interval.tracks.itemsize == 4),
+            "FADING": int(drawn.layer.alpha < 1.0),
+            "WORKGROUP": WORKGROUP,
             **self._definitions,
             **definitions,
         }
-        if definitions:
-            defined["QUANTISED"] = int(interval.box is not None)
-            defined["WIDE_TRACKS"] = int(interval.tracks.itemsize == 4)
-            defined["WORKGROUP"] = WORKGROUP
         key = (name, *defined.items())
-        if key not in self._programs and definitions:
-            self._programs[key] = compute(self.context, name, **defined)
-        elif key not in self._programs:
-            self._programs[key] = program(self.context, name.partition("_")[0], name, **defined)
-        shader = self._programs[key]
+        if key not in self._programs:
+            vertex, _, _ = name.partition("_")
+            files = (f"{name}.comp",) if definitions else (f"{vertex}.vert", f"{name}.frag")
+            self._programs[key] = program(self.context, *files, **defined)
+        return self._programs[key]
+
+    def _uniforms(self, drawn: DrawRange) -> dict[str, Any]:
+        """What the shaders need to know of a range."""
+        layer, interval = drawn.layer, self.clip.intervals[drawn.layer.interval]
         box = interval.box
-        give(
-            shader,
-            **uniforms,
-            **self._scalar,
-            slopes=velocity_weights(interval, layer),
-            weights=bernstein(interval.degree, layer.parameter),
-            blend=layer.blend,
-            turned=layer.parameter,
-            opacity=layer.alpha,
-            box_low=(0.0, 0.0, 0.0) if box is None else box.low,
-            box_step=(1.0, 1.0, 1.0) if box is None else tuple(box.step),
-            palette=self.palette,
-            ramp=self.ramp,
-        )
-        return shader
+        return {
+            "weights": bernstein(interval.degree, layer.parameter),
+            "slopes": velocity_weights(interval, layer),
+            "blend": layer.blend,
+            "turned": layer.parameter,
+            "opacity": layer.alpha,
+            "stride": drawn.stride,
+            "box_low": (0.0, 0.0, 0.0) if box is None else box.low,
+            "box_step": (1.0, 1.0, 1.0) if box is None else tuple(box.step),
+        }
 
 
 def velocity_weights(interval: Interval, layer: Layer) -> NDArray[np.float64]:

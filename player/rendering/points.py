@@ -11,14 +11,13 @@ from enum import StrEnum
 import moderngl
 
 from player.errors import PlayerError
-from player.gl.framebuffer import GBuffer, textures_of
+from player.gl.framebuffer import GBuffer, draw_into, textures_of
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.rendering.splats import SplatParams
 
 MAX_RADIUS_PX = 2.0  # largest radius in samples for which centres may be rounded to samples
-MAX_TRACKS = 1024  # tracks that ten bits of a point's number distinguish
 
 
 class RasterBackend(StrEnum):
@@ -34,14 +33,11 @@ class PointRaster:
     backend: compute shaders by default, where the context has them.
     """
 
-    def __init__(
-        self, points: PointCloud, passes: Passes, backend: RasterBackend | None = None
-    ) -> None:
+    def __init__(self, points: PointCloud, backend: RasterBackend | None = None) -> None:
         has_compute = points.context.version_code >= 430
         wanted = backend or RasterBackend.COMPUTE
         self.backend = wanted if has_compute else RasterBackend.POINTS
         self._points = points
-        self._passes = passes
 
     def draw(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Draw the nearest surface into the G-buffer."""
@@ -52,37 +48,28 @@ class PointRaster:
                 raise
             self.backend = RasterBackend.POINTS
             self.rasterise(gbuffer, ranges, splats)
-        nearest, picked = textures_of(gbuffer.points)
-        reach = 1 if splats.typical_radius_px <= 1.5 else 2
-        gbuffer.mark_tiles(self._passes, "point_tiles", reach=reach, nearest=nearest)
-        uniforms = splats.uniforms() | {
-            "nearest": nearest,
-            "picked": picked,
-            "palette": self._points.palette,
-            "by_track": self._by_track(splats),
-        }
-        gbuffer.fill(self._passes, "fill_holes", reach=reach, **uniforms)
+        reach, found = 1 if splats.typical_radius_px <= 1.5 else 2, textures_of(gbuffer.points)
+        gbuffer.mark_tiles("point_tiles", reach=reach, **found)
+        colors = {"palette": self._points.palette, "by_track": self._points.tracks_tell_colors}
+        gbuffer.fill("fill_holes", reach=reach, **splats.uniforms(), **found, **colors)
 
     def rasterise(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Find the nearest point in every sample: the only pass over all points."""
-        context, uniforms = self._points.context, splats.uniforms()
-        gbuffer.points.use()
-        context.enable_only(moderngl.DEPTH_TEST | moderngl.PROGRAM_POINT_SIZE)
-        context.depth_func = "1"
-        self._passes.fill("clear_points")
-        context.depth_func = "<"
+        uniforms = splats.uniforms()
+        clear_numbers(gbuffer.passes, gbuffer.points)
         if self.backend is RasterBackend.POINTS:
             self._points.draw("points", ranges, uniforms)
             return
-        nearest, picked = textures_of(gbuffer.points)
+        nearest, picked = textures_of(gbuffer.points).values()
         nearest.bind_to_image(0, read=True, write=True)
         self._points.compute("points", ranges, uniforms, PICK=0)
-        if not self._by_track(splats):
+        if not self._points.tracks_tell_colors:
             picked.bind_to_image(1, read=True, write=True)
             self._points.compute("points", ranges, uniforms, PICK=1)
 
-    def _by_track(self, splats: SplatParams) -> bool:
-        """Whether the ten track bits of a point's number determine its colour."""
-        clip = self._points.clip
-        by_track = not splats.by_scalar and (splats.by_track or not clip.has_colors)
-        return len(clip.track_table) <= MAX_TRACKS and by_track
+
+def clear_numbers(passes: Passes, target: moderngl.Framebuffer) -> None:
+    """Clear a framebuffer of integers, the first to its largest value, and draw into it next."""
+    draw_into(target, depth="1")
+    passes.fill("clear_points")
+    draw_into(target, depth="<")

@@ -12,26 +12,27 @@ import moderngl
 import numpy as np
 
 from gclip import Clip
-from gclip.evaluate import Layer, layers_at, locate
+from gclip.evaluate import layers_at
 from gclip.morton import BLOCK
-from player.gl.framebuffer import TILE, GBuffer, textures_of
+from player.gl.framebuffer import TILE, GBuffer, draw_into, framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.ground import Ground
-from player.rendering.picking import track_at
-from player.rendering.point_buffers import DrawRange
+from player.rendering.point_buffers import DrawRange, whole
 from player.rendering.point_cloud import PointCloud
-from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend
+from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend, clear_numbers
 from player.rendering.shading import shade, smooth_depths
 from player.rendering.splat_radius import ClosingDistances
-from player.rendering.splats import ALIGNED, FACING, SplatParams, Splats, SplatShape
+from player.rendering.splats import SplatParams, draw_behind, draw_splats
 from player.view.camera import Camera, outline
-from player.view.colors import Colors, ScalarField
 from player.view.style import Style
 
-# Radius of a splat in closing distances, above 1 because neighbours drift apart between scans. It
-# takes more overlap to find the surface's edge (ALIGNED) than to close its holes.
-NATURAL_RADIUS, ALIGNED_RADIUS = 2.3, 2.6
+# Radius of a splat in closing distances, above 1 because neighbours drift apart between scans, and
+# its edge (SplatParams): of discs that face the camera, and of discs along the surface, by its
+# normals. It takes more overlap to find the surface's edge than to close its holes.
+FACING, ALIGNED = (2.3, 2.0), (2.6, 0.38)
 MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
+PICK_REACH = 10  # largest distance in pixels at which an organ still counts as hit
+NO_TRACK = 0xFFFFFFFF  # of pixels without a point (clear_points.frag)
 
 
 class Renderer:
@@ -55,22 +56,20 @@ class Renderer:
         self.context = context
         self.clip = clip
         self.supersample = supersample
+        self.gpu_seconds = 0.0
         self._points = PointCloud(context, clip, memory)
         self.timers = self._points.timers
         self._passes = Passes(context, self.timers, SUPERSAMPLE=supersample, TILE=TILE)
-        self._raster = PointRaster(self._points, self._passes, backend)
-        self._splats = Splats(self._points, self._passes)
+        self._raster = PointRaster(self._points, backend)
         self._ground = Ground(self._points, self._passes)
         self._closing = ClosingDistances(clip)
-        self._colors = Colors(clip)
         self._gbuffer: GBuffer | None = None
-        self.gpu_seconds = 0.0
         self._max_point_px = float(context.info["GL_POINT_SIZE_RANGE"][1])
         self._scene_radius = scene_radius(clip)
 
     def draw(
         self,
-        framebuffer: moderngl.Framebuffer,
+        target: moderngl.Framebuffer,
         day: float,
         camera: Camera,
         style: Style,
@@ -82,8 +81,7 @@ class Renderer:
     ) -> bool:
         """Draw the plant on a day over all of a framebuffer.
 
-        Returns whether every point was drawn. The framebuffer stays bound, with
-        blending and depth test switched off.
+        Returns whether every point was drawn. The framebuffer stays bound, without a depth test.
 
         size:          width and height of the framebuffer in pixels.
         stride:        draw every n-th point only, and larger.
@@ -94,27 +92,29 @@ class Renderer:
         self.context.gc()
         self.gpu_seconds = self.timers.finish_frame()
         samples = (size[0] * self.supersample, size[1] * self.supersample)
-        gbuffer = self._gbuffer_of(samples)
-        layers, view = layers_at(self.clip, day), (day, camera, style, samples)
-        ranges, splats, closing = self._prepared(layers, *view, stride, upload_budget)
+        gbuffer, points = self._gbuffer_of(samples), self._points
+        ranges, splats = self._prepared(day, camera, style, samples, stride, upload_budget)
         if style.show_ground and not transparent:
-            self._ground.cast_shadow(ranges, self._point_area(day, closing))
+            self._ground.cast_shadow(ranges, self._closing.point_area(day))
         gbuffer.clear()
         are_points = splats.typical_radius_px <= MAX_RADIUS_PX
-        (self._raster if are_points else self._splats).draw(gbuffer, ranges, splats)
-        smooth_depths(self._passes, gbuffer, splats)
-        shade(self._passes, gbuffer, splats, style)
-        if not are_points and splats.shape.edge < 1.0:
-            self._splats.draw_behind(gbuffer, ranges, splats)
-            shade(self._passes, gbuffer, splats, style)
-        framebuffer.viewport = (0, 0, *size)
-        framebuffer.use()
-        (light,) = textures_of(gbuffer.lit)
+        if are_points:
+            self._raster.draw(gbuffer, ranges, splats)
+        else:
+            draw_splats(points, gbuffer, ranges, splats)
+        smooth_depths(gbuffer, splats)
+        shade(gbuffer, splats, style)
+        if not are_points and splats.edge < 1.0:
+            draw_behind(points, gbuffer, ranges, splats)
+            shade(gbuffer, splats, style)
+        target.viewport = (0, 0, *size)
+        draw_into(target)
         uniforms = splats.uniforms() | self._ground.uniforms(camera, style)
-        self._passes.fill("picture", **uniforms, light=light, transparent=transparent)
+        light = textures_of(gbuffer.lit)
+        self._passes.fill("picture", **uniforms, **light, transparent=transparent)
         if upload_budget is not None:
             self._closing.measure_ahead()
-        return _missing(ranges) == 0 and stride == 1
+        return stride == 1 and not any(drawn.missing for drawn in ranges)
 
     def organ_at(
         self,
@@ -124,99 +124,90 @@ class Renderer:
         at: tuple[float, float],
         size: tuple[float, float],
     ) -> int | None:
-        """The track of the organ at a position in the picture; None beside the plant.
+        """The track of the organ nearest to a position in the picture, of several the one in front;
+        None beside the plant. The GPU draws the numbers of the tracks around the position.
 
         Points that are not on the GPU yet and organs that lie on the ground are ignored.
 
         at:   the position, from the top left corner.
         size: width and height of the picture, in the same unit.
         """
-        layers = [layer for layer in layers_at(self.clip, day) if not layer.litter]
-        samples = (max(round(size[0]), 1), max(round(size[1]), 1))
-        ranges, splats, _ = self._prepared(layers, day, camera, style, samples, 1, 0.0)
-        return track_at(self._points, self._passes, ranges, splats, at)
+        width, height = (max(round(side), 1) for side in size)
+        ranges, splats = self._prepared(day, camera, style, (width, height), 1, 0.0)
+        standing = [drawn for drawn in ranges if not drawn.layer.litter]
+        side = 2 * PICK_REACH + 1
+        target = framebuffer(self.context, (side, side), tracks=(1, "u4"), deep=True)
+        clear_numbers(self._passes, target)
+        x, y = int(at[0]), height - 1 - int(at[1])
+        target.viewport = PICK_REACH - x, PICK_REACH - y, width, height
+        self._points.draw("splat_pick", standing, splats.uniforms())
+        pixels = textures_of(target)["tracks"].read()
+        tracks = np.frombuffer(pixels, np.uint32).reshape(side, side)
+        rows, columns = np.nonzero(tracks != NO_TRACK)
+        distances = np.hypot(rows - PICK_REACH, columns - PICK_REACH)
+        if distances.min(initial=np.inf) > PICK_REACH:
+            return None
+        nearest = int(distances.argmin())
+        return int(tracks[rows[nearest], columns[nearest]])
 
     @property
     def loaded(self) -> int:
-        """Bytes of points uploaded so far."""
-        return self._points.store.loaded
+        """Number of slices of points uploaded so far."""
+        return self._points.buffers.loaded
 
     def release(self) -> None:
-        """Stop the threads that read and measure the clip."""
+        """Stop the thread that measures the clip."""
         self._closing.stop()
-        self._points.store.stop()
 
     def _prepared(
         self,
-        layers: list[Layer],
         day: float,
         camera: Camera,
         style: Style,
         samples: tuple[int, int],
         stride: int,
         upload_budget: float | None,
-    ) -> tuple[list[DrawRange], SplatParams, float]:
-        """Set colours, and upload points: which of them to draw, the splats that close the surface
-        between these, and the closing distance.
+    ) -> tuple[list[DrawRange], SplatParams]:
+        """Set colours, and upload points: which of them to draw, and the splats that close the
+        surface between these.
         """
-        ranges = [DrawRange(layer, layer.group.count, stride) for layer in layers]
+        self._points.set_colors(day, style)
+        ranges = whole(layers_at(self.clip, day), stride)
         if upload_budget is not None:
-            resident = self._points.store.load(ranges, upload_budget)
-            ranges = [replace(one, count=n) for one, n in zip(ranges, resident, strict=True)]
-        self._points.set_colors(self._colors, day, style)
-        closing = self._closing.at(*locate(self.clip, day))
-        natural, shape = splat_shape(self.clip)
-        splats = SplatParams(
-            camera=camera,
-            samples=samples,
-            radius=natural * style.point_size * closing * math.sqrt(stride),
-            point_px_range=(MIN_POINT_PX * self.supersample, self._max_point_px),
-            scene_radius=self._scene_radius,
-            by_track=style.color_by in ("track", "age"),
-            shape=shape,
-            by_scalar=self._colors.scalar_field(style) is not ScalarField.NONE,
-        )
+            ranges = self._points.buffers.load(ranges, upload_budget)
+        natural, edge = splat_shape(self.clip)
+        radius = natural * style.point_size * self._closing.at(day) * math.sqrt(stride)
+        smallest = MIN_POINT_PX * self.supersample
         if style.pixels is not None:
-            smallest = max(style.pixels * samples[1] / 720, splats.point_px_range[0])
-            fixed = (smallest, self._max_point_px)
-            radius = 1e-6 * splats.radius
-            splats = replace(splats, radius=radius, point_px_range=fixed, shape=FACING)
-        elif missing := _missing(ranges):
+            radius, edge = 1e-6 * radius, FACING[1]
+            smallest = max(style.pixels * samples[1] / 720, smallest)
+        sizes = (smallest, self._max_point_px)
+        splats = SplatParams(camera, samples, radius, sizes, self._scene_radius, edge)
+        missing = sum(drawn.missing for drawn in ranges)
+        if missing and style.pixels is None:
             # Whole blocks of neighbours are missing until they are uploaded; larger splats fill
             # the gaps, as long as they are drawn fast.
             drawn = max(sum(one.count for one in ranges), 1)
             fast = MAX_RADIUS_PX / splats.px_per_unit(camera.eye_distance)
-            filling = math.sqrt(BLOCK * (drawn + missing) / drawn) * splats.radius
-            splats = replace(splats, radius=max(splats.radius, min(filling, fast)))
-        return ranges, splats, closing
+            filling = math.sqrt(BLOCK * (drawn + missing) / drawn) * radius
+            splats = replace(splats, radius=max(radius, min(filling, fast)))
+        return ranges, splats
 
     def _gbuffer_of(self, samples: tuple[int, int]) -> GBuffer:
         if self._gbuffer is None or self._gbuffer.size != samples:
             self._gbuffer = None
             self.context.gc()
-            self._gbuffer = GBuffer(self.context, samples)
+            self._gbuffer = GBuffer(self.context, self._passes, samples)
         return self._gbuffer
 
-    def _point_area(self, day: float, closing: float) -> float:
-        """Area that one point covers: the surface of a scan, divided among the points."""
-        index, _ = locate(self.clip, day)
-        points = np.interp(day, self.clip.times, [scan.points for scan in self.clip.scans])
-        count = max(len(self.clip.intervals[index]), 1)
-        return float(4.0 * closing**2 * points / count)
 
-
-def splat_shape(clip: Clip) -> tuple[float, SplatShape]:
-    """The radius of a clip's splats in closing distances, and their shape."""
+def splat_shape(clip: Clip) -> tuple[float, float]:
+    """The radius of a clip's splats in closing distances, and their edge."""
     aligned = all(interval.normals is not None for interval in clip.intervals)
-    return (ALIGNED_RADIUS, ALIGNED) if aligned else (NATURAL_RADIUS, FACING)
+    return ALIGNED if aligned else FACING
 
 
 def scene_radius(clip: Clip) -> float:
     """Half the diagonal of a clip's bounding box, in its unit."""
     points = outline(clip)
     return max(float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) / 2, 1e-9)
-
-
-def _missing(ranges: list[DrawRange]) -> int:
-    """Number of points that are not on the GPU yet."""
-    return sum(drawn.total - drawn.count for drawn in ranges)

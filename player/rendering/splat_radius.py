@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from gclip.evaluate import positions_on_curve
+from gclip.evaluate import locate, positions_on_curve
 from gclip.morton import morton_codes
 
 SAMPLES = 1500  # places on the surface that are tested
@@ -27,9 +27,16 @@ class ClosingDistances:
         self._end = cache(self._measured)
         self._executor: ThreadPoolExecutor | None = None
 
-    def at(self, index: int, share: float) -> float:
-        """The distance in the clip's unit; index, share: as `gclip.evaluate.locate` has them."""
+    def at(self, day: float) -> float:
+        """The distance on a day, in the clip's unit."""
+        index, share = locate(self._clip, day)
         return (1.0 - share) * self._end(index) + share * self._end(index + 1)
+
+    def point_area(self, day: float) -> float:
+        """Area that one mover covers: the surface of a scan, divided among the movers."""
+        index, _ = locate(self._clip, day)
+        count = max(len(self._clip.intervals[index]), 1)
+        return float(4.0 * self.at(day) ** 2 * self._scanned(day) / count)
 
     def measure_ahead(self) -> None:
         """Measure all distances in a thread, so that `at` need not; does so once."""
@@ -42,24 +49,27 @@ class ClosingDistances:
         if self._executor is not None:
             self._executor.shutdown(cancel_futures=True)
 
+    def _scanned(self, day: float) -> float:
+        """Number of points that a scan on this day would have."""
+        return float(np.interp(day, self._clip.times, [scan.points for scan in self._clip.scans]))
+
     def _measured(self, end: int) -> float:
         """The distance at the beginning of interval `end`, or at the end of the last one."""
         clip, last = self._clip, end == len(self._clip.intervals)
         interval = clip.intervals[end - 1 if last else end]
         every = -(-len(interval) // MOST)
-        points = positions_on_curve(interval, slice(None, None, every), 1.0 if last else 0.0)
+        # Several movers may start at one point of the scan.
+        parameter, day = (1.0, interval.end) if last else (0.0, interval.start)
+        points = distinct(positions_on_curve(interval, slice(None, None, every), parameter))
         found = closing_distance(points)
         if every > 1:
-            # Several movers may start at one point of the scan, so distinct points are counted.
-            time = interval.end if last else interval.start
-            all_points = np.interp(time, clip.times, [scan.points for scan in clip.scans])
-            found /= math.sqrt(max(float(all_points) / distinct_count(points), 1.0))
+            found /= math.sqrt(max(self._scanned(day) / len(points), 1.0))
         return found or 2.5 * clip.spacing
 
 
-def distinct_count(points: NDArray[np.floating]) -> int:
-    """Number of distinct points among (N, 3), at least 1."""
-    return max(len(np.unique(morton_codes(points))), 1) if len(points) else 1
+def distinct(points: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Those of (N, 3) points that differ, N at least 1."""
+    return points[np.unique(morton_codes(points), return_index=True)[1]]
 
 
 def closing_distance(points: NDArray[np.floating]) -> float:
@@ -74,17 +84,14 @@ def closing_distance(points: NDArray[np.floating]) -> float:
     """
     from scipy.spatial import cKDTree
 
-    if len(points) == 0:
-        return 0.0
-    _, first = np.unique(morton_codes(points), return_index=True)
-    distinct = np.asarray(points[first], np.float64)
-    count = min(NEIGHBORS, len(distinct) - 1)
+    points = distinct(points).astype(np.float64) if len(points) else points
+    count = min(NEIGHBORS, len(points) - 1)
     if count < 3:
         return 0.0
     random = np.random.default_rng(0)
-    chosen = distinct[random.permutation(len(distinct))[:SAMPLES]]
-    tree = cKDTree(distinct, balanced_tree=False, compact_nodes=False)
-    offsets = distinct[tree.query(chosen, k=count + 1)[1]] - chosen[:, None]
+    chosen = points[random.permutation(len(points))[:SAMPLES]]
+    tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
+    offsets = points[tree.query(chosen, k=count + 1)[1]] - chosen[:, None]
     _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", offsets, offsets))
     flat = np.einsum("nki,nij->nkj", offsets, axes[:, :, 1:])
     corners = flat[np.arange(len(flat))[:, None], random.integers(0, count + 1, (len(flat), 3))]

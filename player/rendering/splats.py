@@ -1,41 +1,18 @@
 """Draws splats that are larger than a sample, with soft edges."""
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import moderngl
 import numpy as np
 
-from player.gl.framebuffer import NOTHING, GBuffer, textures_of
-from player.gl.shader import Passes
+from player.gl.framebuffer import NOTHING, GBuffer, draw_into, textures_of
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.view.camera import Camera
 
 MAX_MARGIN = 512  # largest distance in samples from a splat's centre to the picture
-
-
-@dataclass(frozen=True)
-class SplatShape:
-    """Distances from a splat's centre, in splat radii.
-
-    core:      a splat occludes what lies behind it up to this distance.
-    rim:       a splat contributes to the surface up to this distance, where its weight is 4 %.
-    thickness: largest difference in depth between splats of one surface.
-    edge:      distance to the mean of the surrounding splats' centres at which the surface ends.
-               Smaller values follow the sampled outline more closely, larger ones are smoother;
-               with 2 the surface ends only where its splats do.
-    """
-
-    core: float = 0.7
-    rim: float = 0.9
-    thickness: float = 1.6
-    edge: float = 2.0
-
-
-FACING = SplatShape()  # discs that face the camera
-ALIGNED = SplatShape(edge=0.38)  # discs along the surface, by its normals
 
 
 @dataclass(frozen=True)
@@ -46,8 +23,9 @@ class SplatParams:
     radius:         radius of a splat in the clip's unit.
     point_px_range: smallest and largest diameter of a splat in samples.
     scene_radius:   half the diagonal of the scene in the clip's unit.
-    by_track:       whether to use the organs' colours even if the scans have colours.
-    by_scalar:      whether to use the colours of a scalar field.
+    edge:           distance in radii to the mean of the surrounding splats' centres at which the
+                    surface ends. Smaller values follow the sampled outline more closely, larger
+                    ones are smoother; with 2 the surface ends only where its splats do.
     """
 
     camera: Camera
@@ -55,9 +33,7 @@ class SplatParams:
     radius: float
     point_px_range: tuple[float, float]
     scene_radius: float
-    by_track: bool
-    by_scalar: bool = False
-    shape: SplatShape = FACING
+    edge: float
 
     @property
     def projection(self) -> Any:
@@ -95,72 +71,52 @@ class SplatParams:
             "radius": self.radius,
             "focal_px": self.focal_px,
             "point_px_range": self.point_px_range,
-            **asdict(self.shape),
-            "span": self.shape.core,
+            "edge": self.edge,
             "lift": 0.0,
-            "by_track": self.by_track,
         }
 
 
-class Splats:
-    """Draws splats in three passes over the points.
+def draw_splats(
+    points: PointCloud, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams
+) -> None:
+    """Draw the nearest surface into the G-buffer, in two passes over the points.
 
     The first pass finds the depth of the nearest surface, the second one sums its splats. The
-    surface computed from the sums ends inside the outermost splats; a third pass draws what shows
-    behind it there.
+    surface that is computed from the sums ends inside the outermost splats.
     """
+    picture, uniforms = (0, 0, *gbuffer.size), _with_margin(points, gbuffer, splats)
+    draw_into(gbuffer.front, depth="<")
+    gbuffer.front.clear(NOTHING, viewport=picture)
+    points.draw("splat_depth", ranges, uniforms)
+    draw_into(gbuffer.sums, depth="<", blend=(moderngl.ONE, moderngl.ONE))
+    gbuffer.sums.clear(viewport=picture)
+    points.draw("splat_sum", ranges, uniforms | {"lift": 1.0})
+    summed = textures_of(gbuffer.sums)
+    gbuffer.mark_tiles("splat_tiles", **summed)
+    gbuffer.fill("splat_resolve", **uniforms, **summed)
 
-    def __init__(self, points: PointCloud, passes: Passes) -> None:
-        self._points = points
-        self._passes = passes
-        self._max_viewport = min(points.context.info["GL_MAX_VIEWPORT_DIMS"])
 
-    def draw(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
-        """Draw the nearest surface into the G-buffer."""
-        context = self._points.context
-        front, sums = gbuffer.splat_front, gbuffer.splat_sums
-        picture = (0, 0, *gbuffer.size)
-        viewport, uniforms = self._with_margin(gbuffer, splats)
-        front.viewport = sums.viewport = viewport
-        front.use()
-        front.clear(NOTHING, viewport=picture)
-        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
-        context.depth_func = "<"
-        self._points.draw("splat_depth", ranges, uniforms)
+def draw_behind(
+    points: PointCloud, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams
+) -> None:
+    """Replace the G-buffer by the surface that shows behind the edges of the nearest one."""
+    uniforms = _with_margin(points, gbuffer, splats)
+    gbuffer.fill("splat_covered", **uniforms, **textures_of(gbuffer.lit))
+    gbuffer.surface.viewport = gbuffer.front.viewport
+    draw_into(gbuffer.surface, depth="<")
+    points.draw("splat_behind", ranges, uniforms)
 
-        sums.use()
-        sums.clear(viewport=picture)
-        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST | moderngl.BLEND)
-        context.blend_func = moderngl.ONE, moderngl.ONE
-        self._points.draw("splat_sum", ranges, uniforms | {"span": splats.shape.rim, "lift": 1.0})
 
-        names = ("color_sums", "moment_sums", "normal_sums")
-        summed = dict(zip(names, textures_of(sums), strict=True))
-        gbuffer.mark_tiles(self._passes, "splat_tiles", **summed)
-        gbuffer.fill(self._passes, "splat_resolve", **uniforms, **summed)
-
-    def draw_behind(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
-        """Replace the G-buffer by the surface that shows behind the edges of the nearest one."""
-        viewport, uniforms = self._with_margin(gbuffer, splats)
-        context, (light,) = self._points.context, textures_of(gbuffer.lit)
-        gbuffer.fill(self._passes, "splat_covered", light=light, **uniforms)
-        gbuffer.surface.viewport = viewport
-        gbuffer.surface.use()
-        context.enable_only(moderngl.PROGRAM_POINT_SIZE | moderngl.DEPTH_TEST)
-        context.depth_func = "<"
-        self._points.draw("splat_behind", ranges, uniforms)
-
-    def _with_margin(
-        self, gbuffer: GBuffer, splats: SplatParams
-    ) -> tuple[tuple[int, int, int, int], dict[str, Any]]:
-        """A viewport larger than the picture, with uniforms: OpenGL clips points by their centres,
-        however large they are.
-        """
-        width, height = splats.samples
-        reach = math.ceil(splats.radius * splats.px_per_unit(splats.camera.near))
-        margin = max(min(reach, MAX_MARGIN, (self._max_viewport - max(width, height)) // 2), 0)
-        wide, tall = width + 2 * margin, height + 2 * margin
-        shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
-        (front,) = textures_of(gbuffer.splat_front)
-        more = {"front": front, "projection": shrunk @ splats.projection}
-        return (-margin, -margin, wide, tall), splats.uniforms() | more
+def _with_margin(points: PointCloud, gbuffer: GBuffer, splats: SplatParams) -> dict[str, Any]:
+    """Set a viewport larger than the picture, and return the uniforms for it: OpenGL clips points
+    by their centres, however large they are.
+    """
+    width, height = splats.samples
+    widest = min(points.context.info["GL_MAX_VIEWPORT_DIMS"])
+    reach = math.ceil(splats.radius * splats.px_per_unit(splats.camera.near))
+    margin = max(min(reach, MAX_MARGIN, (widest - max(width, height)) // 2), 0)
+    wide, tall = width + 2 * margin, height + 2 * margin
+    gbuffer.front.viewport = gbuffer.sums.viewport = (-margin, -margin, wide, tall)
+    shrunk = np.diag([width / wide, height / tall, 1.0, 1.0])
+    front = textures_of(gbuffer.front)
+    return splats.uniforms() | front | {"projection": shrunk @ splats.projection}

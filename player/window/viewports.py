@@ -131,8 +131,7 @@ class Viewports:
         self._context.enable_only(moderngl.NOTHING)
         for number, pane in enumerate(panes):
             screen.viewport, screen.scissor = _places(pane, size)
-            (picture,) = textures_of(self._pictures[number])
-            self._passes.fill("blit", picture=picture)
+            self._passes.fill("blit", **textures_of(self._pictures[number]))
         screen.scissor = None  # type: ignore[assignment]
 
     def pixels(self) -> bytes:
@@ -172,7 +171,9 @@ class Viewports:
         """What a pane is drawn into; the last one is given up where its size differs."""
         if number not in self._pictures or self._pictures[number].size != size:
             self._pictures.pop(number, None)
-            self._pictures[number] = framebuffer(self._context, size, (4, "f1"), linear=True)
+            self._pictures[number] = framebuffer(
+                self._context, size, picture=(4, "f1"), linear=True
+            )
         return self._pictures[number]
 
 

@@ -9,13 +9,11 @@ from __future__ import annotations
 
 import argparse
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import moderngl
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,7 +35,7 @@ from player.view.state import Scene
 from player.view.style import Style
 from player.window.dynamic_resolution import Detail
 from player.window.viewports import Viewports, home_camera
-from tests.player.drawn import drawn
+from tests.player.drawn import drawn, read_pixels
 
 FOLDER = Path(__file__).parent / "pictures"
 SIZE = (240, 160)
@@ -134,10 +132,9 @@ def _drawn(
     def draw() -> Picture:
         clip = clip_of(plant)
         camera = Camera.home(clip, SIZE[0] / SIZE[1])
-        with ExitStack() as made:
-            context = headless()
-            made.callback(context.release)
-            pixels = drawn(context, clip, day, camera, SIZE, style, **options)
+        context = headless()
+        pixels = drawn(context, clip, day, camera, SIZE, style, **options)
+        context.release()
         return pixels[::-1].astype(np.uint8)
 
     return draw
@@ -153,17 +150,20 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
         plain = Scene(Timeline.of(clip.times).at(day), camera, camera, style, (clip,))
         shown = replace(plain, **scene)
         panes = panes_of(shown, [plant])
-        with _screen(size) as (context, screen):
-            stage, gui = Viewports(context, [clip]), Gui()
-            interface = Interface(gui, clip, plant)
-            for _ in range(3):  # a panel learns its sizes as it is drawn
-                stage.paint(size, panes, style, Detail(), None)
-                stage.show(screen)
-                interface.draw(screen, shown, WINDOW, DENSITY, panes)
-            interface.organs.release()
-            gui.release()
-            stage.release()
-            return _read(screen)
+        context = headless()
+        screen = context.simple_framebuffer(size, 3)
+        stage, gui = Viewports(context, [clip]), Gui()
+        interface = Interface(gui, clip, plant)
+        for _ in range(3):  # a panel learns its sizes as it is drawn
+            stage.paint(size, panes, style, Detail(), None)
+            stage.show(screen)
+            interface.draw(screen, shown, WINDOW, DENSITY, panes)
+        pixels = read_pixels(screen)[::-1].astype(np.uint8)
+        interface.organs.release()
+        gui.release()
+        stage.release()
+        context.release()
+        return pixels
 
     return draw
 
@@ -241,21 +241,6 @@ def load(file: Path) -> Picture:
     from PIL import Image
 
     return np.asarray(Image.open(file).convert("RGBA"))
-
-
-@contextmanager
-def _screen(size: tuple[int, int]) -> Iterator[tuple[moderngl.Context, moderngl.Framebuffer]]:
-    with ExitStack() as made:
-        context = headless()
-        made.callback(context.release)
-        screen = context.simple_framebuffer(size, 3)
-        made.callback(screen.release)
-        yield context, screen
-
-
-def _read(screen: moderngl.Framebuffer) -> Picture:
-    pixels = np.frombuffer(screen.read(components=3, alignment=1), np.uint8)
-    return pixels.reshape(screen.height, screen.width, 3)[::-1]
 
 
 def _grow(plant: str) -> None:

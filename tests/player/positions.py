@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from importlib.resources import files
+from pathlib import Path
 from typing import Any
 
 import moderngl
@@ -12,8 +13,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.evaluate import layers_at
-from player.gl.shader import give
-from player.rendering.point_buffers import DrawRange
+from player.rendering.point_buffers import whole
 from player.rendering.point_cloud import POINTS_EACH, WORKGROUP, PointCloud
 from shaders import with_header, with_includes
 
@@ -32,42 +32,33 @@ def gpu_positions(
     computed: from the compute shaders' interpolation; else by transform feedback from the vertex
               shaders'.
     """
+    if computed and context.version_code < 430:
+        pytest.skip("compute shaders need OpenGL 4.3")
     screen = context.simple_framebuffer((16, 16))
     screen.use()  # nothing is drawn, yet OpenGL wants a framebuffer
     points, parts = PointCloud(context, clip, memory), [np.zeros((0, 3), np.float32)]
+    given = {"COMPUTED": 1} if computed else {}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("player.rendering.point_cloud.program", _feedback)
-        patch.setattr("player.rendering.point_cloud.compute", _compute)
-        for layer in layers_at(clip, day):
-            drawn = DrawRange(layer, layer.group.count, stride)
-            given = {"COMPUTED": 1} if computed else {}
-            shader = points._program("positions", layer, {}, **given)
-            for buffers, count in points._chunks(shader, drawn):
-                some = -(-count // stride)
-                result = context.buffer(reserve=12 * max(some, 1))
-                if computed:
-                    give(shader, count=count)
-                    buffers.bind()
-                    result.bind_to_storage_buffer(7)
-                    shader.run(-(-count // (POINTS_EACH * WORKGROUP)))
-                    context.memory_barrier()
-                else:
-                    array = buffers.array(shader, points._every(stride))
-                    array.transform(result, vertices=some)
-                parts.append(np.frombuffer(result.read(12 * some), np.float32).reshape(-1, 3))
-    points.store.stop()
+        patch.setattr("player.rendering.point_cloud.program", _program)
+        ranges = whole(layers_at(clip, day), stride)
+        for shader, _, buffers, count in points._chunks("positions", ranges, {}, **given):
+            some = -(-count // stride)
+            result = context.buffer(reserve=12 * max(some, 1))
+            if computed:
+                buffers.bind()
+                result.bind_to_storage_buffer(7)
+                shader.run(-(-count // (POINTS_EACH * WORKGROUP)))
+                context.memory_barrier()
+            else:
+                array = buffers.array(shader, points._every(stride))
+                array.transform(result, vertices=some)
+            parts.append(np.frombuffer(result.read(12 * some), np.float32).reshape(-1, 3))
     return np.concatenate(parts)
 
 
-def _source(name: str, suffix: str, **definitions: int) -> str:
-    text = files(__package__).joinpath("shaders").joinpath(name + suffix).read_text("utf-8")
-    return with_header(with_includes(text), suffix, **definitions)
-
-
-def _feedback(context: moderngl.Context, name: str, _: str, **definitions: int) -> Any:
-    source = _source(name, ".vert", **definitions)
+def _program(context: moderngl.Context, file: str, *_: str, **definitions: int) -> Any:
+    text = files(__package__).joinpath(f"shaders/{file}").read_text("utf-8")
+    source = with_header(with_includes(text), Path(file).suffix, **definitions)
+    if file.endswith(".comp"):
+        return context.compute_shader(source)
     return context.program(vertex_shader=source, varyings=("out_position",))
-
-
-def _compute(context: moderngl.Context, name: str, **definitions: int) -> Any:
-    return context.compute_shader(_source(name, ".comp", **definitions))

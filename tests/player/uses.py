@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from gclip import Clip
-from gclip.evaluate import frame_at, layers_at, locate
+from gclip.evaluate import frame_at, layers_at
 
 ASPECT = 16 / 9
 
@@ -44,8 +44,8 @@ def told(clip: Clip, path: Path) -> None:
 
 def loaded(clip: Clip) -> None:
     """What the window needs before its first picture."""
-    from player.rendering.point_buffers import DrawRange, bytes_per_point
-    from player.rendering.point_store import ChunkStore
+
+    from player.rendering.point_buffers import PointBuffers, bytes_per_point, whole
     from player.rendering.splat_radius import ClosingDistances
     from player.ui.timeline import Line, labels_on
     from player.view.camera import Camera
@@ -61,13 +61,13 @@ def loaded(clip: Clip) -> None:
     for camera in (home, Camera.home(clip, 0.5, turning=True), home_camera(clip, (1280.0, 720.0))):
         assert np.isfinite(camera.matrix(ASPECT)).all()
         assert np.isfinite(camera.zoom(1e9).orbit(1.0, 1.0).pan(0.1, 0.1).matrix(ASPECT)).all()
-    closing, store = ClosingDistances(clip), ChunkStore(None, clip, room=0)  # type: ignore[arg-type]
+    closing, buffers = ClosingDistances(clip), PointBuffers(None, clip, 0)  # type: ignore[arg-type]
     for day in days_of(clip):
-        assert np.isfinite(closing.at(*locate(clip, day)))
+        assert np.isfinite(closing.at(day))
         assert date_at(clip.scans, day) is not None
         elapsed(clip.scans, day, clip.time_unit)
-        for layer in layers_at(clip, day):
-            list(store.chunks(DrawRange(layer, layer.group.count)))
+        for drawn in whole(layers_at(clip, day)):
+            list(buffers.chunks(drawn))
         CameraPath().with_key(day, home)
     for name in ("scan", "track", "age", "speed", "height"):
         colors, style = Colors(clip), Style(color_by=name)

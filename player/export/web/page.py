@@ -121,9 +121,8 @@ def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:
 def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
     """What the page knows besides the points; read in web/clip.js and web/renderer.js."""
     closing = ClosingDistances(clip)
-    ends = [(k, 0.0) for k in range(len(clip.intervals))] + [(len(clip.intervals) - 1, 1.0)]
     to_square, half_side = floor_square(clip)
-    radius, shape = splat_shape(clip)
+    radius, edge = splat_shape(clip)
     home = Camera.home(clip, film.aspect)
     return {
         "times": clip.times,
@@ -143,11 +142,10 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
             }
             for interval, (_, layout) in zip(clip.intervals, packed, strict=True)
         ],
-        "coverage": [closing.at(k, share) for k, share in ends],
+        "coverage": [closing.at(time) for time in clip.times],
         "splat": {"radii": radius, "smallest": MIN_POINT_PX},
         "uniforms": {
-            **asdict(shape),
-            "span": shape.core,
+            "edge": edge,
             "lift": 0.0,
             "scene_radius": scene_radius(clip),
             "perspective": 1.0,

@@ -110,7 +110,7 @@ class Renderer {
         clear(sums, 0, 0, 0, 0);
         gl.enable(gl.BLEND);
         gl.blendFunc(gl.ONE, gl.ONE);
-        this.drawPoints("sum", layers, { ...values, span: values.rim, lift: 1, front }, every);
+        this.drawPoints("sum", layers, { ...values, lift: 1, front }, every);
         gl.disable(gl.DEPTH_TEST);
         this.castShadow(day, layers, values.palette);
         const [color_sums, moment_sums, normal_sums] = sums.textures, [light] = lit.textures;

@@ -35,6 +35,4 @@ def test_every_pass_of_a_frame_is_timed(
     table = profile_table([renderer.timers])
     assert "all of a frame (2 timed)" in table
     assert all(name in table for name in totals)
-    renderer.timers.reset()
-    assert (renderer.timers.frames, sum(totals.values())) == (0, 0.0)
     renderer.release()

@@ -17,7 +17,7 @@ import player.rendering.point_cloud
 from gclip import Clip, Group, Interval, Motion, ScanMark, Track
 from gclip.evaluate import layers_at
 from gclip.schema import Box
-from player.rendering.point_buffers import ChunkBuffers, DrawRange
+from player.rendering.point_buffers import ChunkBuffers, whole
 from player.rendering.point_cloud import PointCloud
 
 CHUNK = 1 << 24
@@ -48,11 +48,10 @@ def shader(monkeypatch: pytest.MonkeyPatch) -> Shader:
     """And uploads that cost nothing."""
     made = Shader()
 
-    def upload(self: ChunkBuffers, count: int) -> int:
-        self.resident = count
-        return 1
+    def upload(self: ChunkBuffers, stop: int) -> None:
+        self.resident = stop
 
-    monkeypatch.setattr(player.rendering.point_cloud, "compute", lambda *_, **__: made)
+    monkeypatch.setattr(player.rendering.point_cloud, "program", lambda *_, **__: made)
     monkeypatch.setattr(ChunkBuffers, "upload", upload)
     return made
 
@@ -82,12 +81,12 @@ def loaded(count: int, shader: Shader) -> Callable[[], list[int]]:
     context.buffer = lambda reserve: NonCallableMock(size=reserve)
     clip = clip_of(count)
     points = PointCloud(context, clip, memory=1 << 40)
-    wanted = [DrawRange(layer, layer.group.count) for layer in layers_at(clip, 0.3)]
+    wanted = whole(layers_at(clip, 0.3))
 
     def frame() -> list[int]:
-        resident = points.store.load(wanted, 1e9)
+        resident = points.buffers.load(wanted, 1e9)
         points.compute("points", wanted, {}, PICK=0)
-        return resident
+        return [drawn.count for drawn in resident]
 
     assert frame() == [count]
     shader.sets.clear()
@@ -103,7 +102,7 @@ def test_a_frame_costs_a_few_calls_a_chunk(shader: Shader) -> None:
     chunks = -(-MANY // CHUNK)
     assert shader.runs == chunks == 60
     assert frame.context.memory_barrier.call_count == 1  # type: ignore[attr-defined]
-    assert shader.sets.pop("count") == chunks
+    assert shader.sets.pop("count") == shader.sets.pop("first_point") == chunks
     assert set(shader.sets.values()) == {1}, "all other uniforms once for a layer"
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import moderngl
@@ -13,10 +12,10 @@ from gclip import Clip, Motion
 from gclip.evaluate import layers_at
 from gclip.morton import BLOCK
 from gclip.pack import Movers, pack_interval
-from player.gl.gpu_memory import room
-from player.rendering import point_buffers, point_store
-from player.rendering.point_buffers import DrawRange, bytes_per_point
-from player.rendering.point_store import ChunkStore
+from player.gl.gpu_memory import total
+from player.rendering import point_buffers
+from player.rendering.point_buffers import DrawRange, PointBuffers, bytes_per_point
+from player.rendering.point_buffers import whole as whole_layers
 from player.rendering.renderer import Renderer
 from player.view.style import Style
 from tests.player.drawn import drawn, fitted
@@ -29,8 +28,7 @@ SIZE = (160, 120)
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> int:
     """Points of a quantised chunk."""
     monkeypatch.setattr(point_buffers, "MAX_BUFFER", 6 * 333)
-    for module in (point_buffers, point_store):
-        monkeypatch.setattr(module, "SLICE", 100)
+    monkeypatch.setattr(point_buffers, "SLICE", 100)
     return 333
 
 
@@ -45,7 +43,7 @@ def series(clip: Clip, count: int) -> Clip:
 
 
 def whole(clip: Clip, day: float) -> list[DrawRange]:
-    return [DrawRange(layer, layer.group.count) for layer in layers_at(clip, day)]
+    return whole_layers(layers_at(clip, day))
 
 
 @pytest.mark.parametrize(
@@ -56,11 +54,10 @@ def test_bytes_a_mover(
 ) -> None:
     clip = series(make_clip(degree=degree, colors=colors), 1)
     assert bytes_per_point(clip.intervals[0]) == size
-    store = ChunkStore(context, clip, 1 << 30)
-    store.load(whole(clip, 0.0), 1.0)
-    buffers = 2 + degree + (2 if colors else 0)
-    assert 0 < store.size - size * len(clip.intervals[0]) <= buffers * point_buffers.PADDING
-    store.stop()
+    buffers = PointBuffers(context, clip, 1 << 30)
+    buffers.load(whole(clip, 0.0), 1.0)
+    count = 2 + degree + (2 if colors else 0)
+    assert 0 < buffers.size() - size * len(clip.intervals[0]) <= count * point_buffers.PADDING
 
 
 def test_an_interval_that_does_not_fit_is_drawn_in_chunks(
@@ -77,8 +74,6 @@ def test_an_interval_that_does_not_fit_is_drawn_in_chunks(
 def test_positions_do_not_depend_on_the_chunks(
     context: moderngl.Context, make_clip, small_chunks: int, computed: bool
 ) -> None:
-    if computed and context.version_code < 430:
-        pytest.skip("compute shaders need OpenGL 4.3")
     clip = make_clip(degree=2)
     frame = clip.at(3.3)
     found = gpu_positions(context, clip, 3.3, computed=computed, memory=1)
@@ -88,34 +83,34 @@ def test_positions_do_not_depend_on_the_chunks(
 def test_the_room_is_kept_to(context: moderngl.Context, make_clip, small_chunks: int) -> None:
     clip = series(make_clip(), 9)
     limit = 3 * len(clip.intervals[0]) * bytes_per_point(clip.intervals[0])
-    store = ChunkStore(context, clip, limit)
+    buffers = PointBuffers(context, clip, limit)
     for day in np.linspace(0, 9, 30):
-        there = store.load(whole(clip, float(day)), 1.0)
-        assert there == [drawn.count for drawn in whole(clip, float(day))]
-        assert 0 < store.size <= limit
-    store.stop()
+        wanted = whole(clip, float(day))
+        assert buffers.load(wanted, 1.0) == wanted
+        assert 0 < buffers.size() <= limit
 
 
 def test_without_time_the_beginning_is_there_and_the_rest_follows(
     context: moderngl.Context, make_clip, small_chunks: int
 ) -> None:
     clip = make_clip()
-    store, wanted = ChunkStore(context, clip, 1 << 30), whole(clip, 3.0)
-    assert store.load(wanted, 0.0) == [min(100, drawn.count) for drawn in wanted]
-    assert store.load(wanted, 1.0) == [drawn.count for drawn in wanted]
-    store.stop()
+    buffers, wanted = PointBuffers(context, clip, 1 << 30), whole(clip, 3.0)
+    assert buffers.load(wanted, 0.0) == [
+        replace(drawn, count=min(100, drawn.count)) for drawn in wanted
+    ]
+    assert buffers.load(wanted, 1.0) == wanted
 
 
 def test_what_comes_next_is_there_before_it_is_shown(context: moderngl.Context, make_clip) -> None:
-    clip = series(make_clip(), 3)
-    store = ChunkStore(context, clip, 1 << 30)
-    ends = time.monotonic() + 120.0
-    (following,), (last,) = whole(clip, 1.5), whole(clip, 2.5)
-    while store.resident(following) < following.count and time.monotonic() < ends:
-        store.load(whole(clip, 0.5), 0.1)
-    assert store.resident(following) == following.count
-    assert store.resident(last) == 0
-    store.stop()
+    """And takes the place of what was shown before, where there is room for two intervals."""
+    clip = series(make_clip(), 4)
+    size = len(clip.intervals[0]) * bytes_per_point(clip.intervals[0])
+    buffers = PointBuffers(context, clip, int(2.2 * size))
+    for shown in (0, 1, 2):
+        buffers.load(whole(clip, shown + 0.5), 60.0)
+        ranges = [whole(clip, day + 0.5)[0] for day in range(4)]
+        there = [buffers.resident(one) == one.count for one in ranges]
+        assert there == [day in (shown, shown + 1) for day in range(4)]
 
 
 def test_a_budget_draws_what_is_there(
@@ -145,8 +140,8 @@ def test_one_point_in_many(
     np.testing.assert_array_equal(found, wanted)
 
 
-def test_there_is_room(context: moderngl.Context) -> None:
-    assert room(context) >= 256 << 20
+def test_the_gpu_has_memory(context: moderngl.Context) -> None:
+    assert total(context) >= 256 << 20
 
 
 def test_a_prefix_is_a_fair_sample() -> None:
@@ -173,11 +168,10 @@ def test_what_is_shown_together_does_not_evict_each_other(
     """Litter is of the interval before; with too little room for both, loading comes to an end."""
     clip = series(make_clip(), 3)
     size = len(clip.intervals[0]) * bytes_per_point(clip.intervals[0])
-    store = ChunkStore(context, clip, int(1.3 * size))
+    buffers = PointBuffers(context, clip, int(1.3 * size))
     wanted = [*whole(clip, 0.5), *whole(clip, 1.5)]
-    store.load(wanted, 1.0)
-    loaded, there = store.loaded, store.load(wanted, 1.0)
-    assert store.load(wanted, 1.0) == there
-    assert store.loaded == loaded
-    assert store.size <= 1.3 * size
-    store.stop()
+    buffers.load(wanted, 1.0)
+    loaded, there = buffers.loaded, buffers.load(wanted, 1.0)
+    assert buffers.load(wanted, 1.0) == there
+    assert buffers.loaded == loaded
+    assert buffers.size() <= 1.3 * size

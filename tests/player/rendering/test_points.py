@@ -55,13 +55,6 @@ def picture(
     return drawn(context, clip, 0.4, camera, SIZE, style, backend=backend, stride=stride)
 
 
-@pytest.fixture
-def compute_context(context: moderngl.Context) -> moderngl.Context:
-    if context.version_code < 430:
-        pytest.skip("compute shaders need OpenGL 4.3")
-    return context
-
-
 @pytest.mark.parametrize(
     "kind",
     [{}, {"precision": "float32"}, {"colors": True}, {"tracks": 1500}, {"tracks": 70_000}],

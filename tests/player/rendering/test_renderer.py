@@ -59,8 +59,6 @@ def cover(picture: np.ndarray) -> int:
 def test_positions_on_the_gpu_are_those_of_the_cpu(
     context: moderngl.Context, make_clip, computed: bool, degree: int, precision: str, lost: Motion
 ) -> None:
-    if computed and context.version_code < 430:
-        pytest.skip("compute shaders need OpenGL 4.3")
     clip = make_clip(degree=degree, precision=precision, lost=lost)
     assert (clip.intervals[0].box is None) == (precision == "float32")
     size = np.linalg.norm(np.subtract(*clip.bounds))

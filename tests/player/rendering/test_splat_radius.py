@@ -36,20 +36,21 @@ def test_too_few_points_tell_nothing(count: int) -> None:
 
 
 def test_the_distance_is_continuous_in_time(make_clip) -> None:
-    distances = ClosingDistances(make_clip())
-    assert distances.at(0, 1.0) == distances.at(1, 0.0)
-    middle = (distances.at(1, 0.0) + distances.at(1, 1.0)) / 2
-    assert distances.at(1, 0.5) == pytest.approx(middle)
+    clip = make_clip()
+    distances, (_, start, end) = ClosingDistances(clip), clip.times
+    middle = (distances.at(start) + distances.at(end)) / 2
+    assert distances.at((start + end) / 2) == pytest.approx(middle)
+    assert distances.at(start - 1e-9) == pytest.approx(distances.at(start))
 
 
 def test_distances_are_measured_ahead(make_clip) -> None:
     clip = make_clip()
     ahead, asked = ClosingDistances(clip), ClosingDistances(clip)
     ahead.measure_ahead()
-    wanted = [asked.at(index, share) for index in (0, 1) for share in (0.0, 1.0)]
+    wanted = [asked.at(day) for day in clip.times]
     ends = time.monotonic() + 60.0
     while ahead._end.cache_info().currsize < 3 and time.monotonic() < ends:
         time.sleep(0.001)
     ahead.stop()
-    assert [ahead.at(index, share) for index in (0, 1) for share in (0.0, 1.0)] == wanted
+    assert [ahead.at(day) for day in clip.times] == wanted
     assert ahead._end.cache_info().misses == 3
