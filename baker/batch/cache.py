@@ -18,7 +18,7 @@ import numpy as np
 
 from baker.errors import InputError
 from baker.geometry.parallel import ReportProgress
-from baker.interpolation.interval_job import IntervalJob, IntervalSolver
+from baker.interpolation.interval_job import IntervalJob, solve_intervals
 from baker.interpolation.provenance import software
 from gclip import Interval
 from gclip.errors import ClipError, UserError
@@ -42,16 +42,19 @@ class Cache:
         except OSError as error:
             raise InputError(f"{folder} can't be a cache: {error.strerror or error}.") from None
 
-    def solve(
-        self, solve: IntervalSolver, jobs: Sequence[IntervalJob], report_progress: ReportProgress
+    def solve_intervals(
+        self, jobs: Sequence[IntervalJob], report_progress: ReportProgress, workers: int = 1
     ) -> Iterator[Interval]:
-        """Solve the intervals that are not in the cache, and write them to it; yields all."""
+        """Solve the intervals that are not in the cache, and write them to it; yields all.
+
+        As `baker.interpolation.interval_job.solve_intervals`.
+        """
         keys = [self._key(job) for job in jobs]
         tracks = 1 + max((task.organ for job in jobs for task in job.tasks), default=0)
         cached = [self._read(key, job, tracks) for key, job in zip(keys, jobs, strict=True)]
         missing = [job for job, interval in zip(jobs, cached, strict=True) if interval is None]
         self.found, self.solved = len(jobs) - len(missing), len(missing)
-        solved = iter(solve(missing, report_progress))
+        solved = solve_intervals(missing, report_progress, workers)
         for key, interval in zip(keys, cached, strict=True):
             yield self._write(key, next(solved)) if interval is None else interval
 

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from baker.batch import plant
-from baker.batch.outputs import check_output
+from baker.batch.command import check_output
 from baker.cli import main
 from gclip.errors import UserError
 
