@@ -12,7 +12,6 @@ from baker.errors import InputError, excerpt, input_errors
 from gclip.corrections import Correction, Corrections, read_corrections
 
 MAX_COORDINATE = 1e12
-MAX_UNIT_LENGTH = 100  # characters
 DEFAULTS = {"segment": "organs", "paths": "curved"}  # of options that are "auto"
 PAPER_DEFAULTS = {"align": "icp", "segment": "thin", "transport": "sinkhorn", "paths": "straight"}
 
@@ -23,6 +22,7 @@ Root = tuple[float, float, float] | Literal["virtual"] | None
 
 POSITIVE: Check = (lambda number: 0 < number < inf, "a number above 0")
 NAMES: Check = (lambda text: not text or text.strip(", "), "a name")
+SHORT: Check = (lambda text: len(text) <= 100, "one of at most 100 characters")
 
 
 def option(default: Any, help: str, check: Check | None = None, **settings: Any) -> Any:
@@ -188,12 +188,7 @@ class Options:
     precision: Literal["auto", "float32"] = option(
         "auto", "How the clip stores coordinates: auto in 16 bits where that is fine enough."
     )
-    unit: str = option(
-        "",
-        "The scans' unit of length, such as mm.",
-        (lambda unit: len(unit) <= MAX_UNIT_LENGTH, f"one of at most {MAX_UNIT_LENGTH} characters"),
-        metavar="UNIT",
-    )
+    unit: str = option("", "The scans' unit of length, such as mm.", SHORT, metavar="UNIT")
     workers: int = option(0, "How many cores to use; 0 takes all.", min=0)
 
     def __post_init__(self) -> None:

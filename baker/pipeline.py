@@ -40,7 +40,7 @@ from baker.segmentation.label_cleaning import with_clean_labels
 from baker.segmentation.organs import segment_organs
 from baker.transport.solve import wasserstein
 from baker.transport.tasks import interval_tasks
-from baker.verdict import judge_clip
+from baker.verdict.judge import judge_clip
 from gclip import Clip, HeldOutScan, Interval, ScanMark
 
 Progress = Callable[[str, int, int], None]
@@ -220,11 +220,8 @@ def _segment(
         return labels, list(map(hierarchy_from_spanning_tree, *scans, k, threshold))
     is_complete = len(organs) == len(clouds)
     if not is_complete:
-        segmented = segment_organs(clouds, bases, map)
-        organs = [
-            found if given is None else given
-            for given, found in zip(labels.labels, segmented, strict=True)
-        ]
+        pairs = zip(labels.labels, segment_organs(clouds, bases, map), strict=True)
+        organs = [found if given is None else given for given, found in pairs]
     organs = with_corrected_organs(organs, aligned, corrections)
     labels = labels.with_given(organs)
     if not is_complete or not (labels.consistent or options.paper):

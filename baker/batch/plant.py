@@ -15,7 +15,7 @@ from baker.batch.cache import Cache
 from baker.interpolation.provenance import software
 from baker.options import Options, Outputs, parse_corrections
 from baker.pipeline import Progress, bake_recorded
-from baker.report import write_report
+from baker.report.page import write_report
 from baker.report.verification import HoldoutError, verify
 from baker.scans import Finding
 from baker.scans.read import digest, list_series

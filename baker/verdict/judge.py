@@ -10,7 +10,7 @@ from baker.matching import LabelUse
 from baker.verdict.doubt import verdict_provenance
 from baker.verdict.identity import doubtful_identities
 from baker.verdict.motion import doubtful_motions
-from gclip import Clip, Track
+from gclip import Clip
 from traits.doubts import Doubt
 
 
@@ -35,7 +35,7 @@ def judge_clip(
     map : map-like callable
         Maps over the intervals.
     """
-    names = [_name(organ) for organ in clip.track_table]
+    names = ["the stem" if organ.kind == "stem" else organ.name for organ in clip.track_table]
 
     def doubts_in(index: int, job: IntervalJob) -> list[Doubt]:
         doubts = [*doubtful_motions(clip.intervals[index], job.attachments, names)]
@@ -48,10 +48,3 @@ def judge_clip(
     return replace(
         clip, provenance={**clip.provenance, "verdict": verdict_provenance(clip, doubts)}
     )
-
-
-def _name(organ: Track) -> str:
-    """The name of an organ in a sentence, such as "the stem"."""
-    if organ.kind != "stem":
-        return organ.name
-    return "the stem" if organ.name == "stem" else f"the stem ({organ.name})"

@@ -11,10 +11,11 @@ import msgspec
 import numpy as np
 import pytest
 
-from baker import InputError, Options
+from baker import Options
 from baker.batch.cache import Cache
 from baker.interpolation.interval_job import solve_intervals
 from baker.pipeline import bake_recorded
+from gclip.errors import UserError
 from tests.baker.conftest import write_series
 
 PLAIN = Options(align="none", up="z", workers=1)
@@ -194,7 +195,7 @@ def test_a_cache_that_takes_nothing_does_not_stop_the_bake(scans, tmp_path):
 
 def test_a_file_is_no_cache(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="file can't be a cache"):
+    with pytest.raises(UserError, match="file can't be written: File exists"):
         Cache(tmp_path / "file")
 
 

@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from baker.cli import main
-from baker.report import write_report
-from baker.report.page import largest_organs, ticks
+from baker.report.page import largest_organs, ticks, write_report
 from baker.report.verification import verify
 from baker.verdict.doubt import verdict_provenance
 from gclip import Clip, ClipError
