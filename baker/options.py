@@ -111,10 +111,7 @@ class Options:
         metavar="NAMES",
     )
     fields: str = option(
-        "",
-        "Scalar fields to carry into the clip, such as ndvi,temperature.",
-        NAMES,
-        metavar="NAMES",
+        "", "Scalar fields to add to the clip, such as ndvi,temperature.", NAMES, metavar="NAMES"
     )
     corrections: tuple[Correction, ...] | None = option(
         None,

@@ -17,6 +17,7 @@ from baker.errors import InputError
 from baker.interpolation.provenance import software
 from baker.scans.child_process import ChildEnded, ChildProcess
 
+ATTEMPTS = 2  # at a task whose worker process is killed
 PATIENCE = 20.0  # seconds until a task that is stopped is killed, on a machine that may be busy
 TIMEOUT = 5  # seconds to connect to a scheduler
 LOGS = ("distributed", "distributed.client", "distributed.worker", "asyncio")
@@ -27,7 +28,7 @@ Submit = Callable[..., "Future[Any]"]
 
 @contextmanager
 def process_pool(workers: int) -> Iterator[Submit]:
-    """Start worker processes, which try a task twice before it raises ChildEnded.
+    """Start worker processes. A task that ends its process `ATTEMPTS` times raises ChildEnded.
 
     A terminal's Ctrl-C does not reach them, and they end with this process, in whatever way. When
     the context is left, KeyboardInterrupt is raised in their tasks, so that half-written files are
@@ -40,9 +41,10 @@ def process_pool(workers: int) -> Iterator[Submit]:
         own.child = unused.pop()
 
     def call(function: Callable[..., Any], *arguments: Any) -> Any:
-        with suppress(ChildEnded):
-            return own.child.call(-1, function, *arguments)
-        return own.child.call(-1, function, *arguments)
+        for _ in range(ATTEMPTS):
+            with suppress(ChildEnded):
+                return own.child.call(-1, function, *arguments)
+        raise ChildEnded(f"tried {ATTEMPTS} times")
 
     threads = ThreadPoolExecutor(workers, initializer=start_thread)
     try:
@@ -84,7 +86,6 @@ def cluster_pool(address: str, say: Callable[[str], None]) -> Iterator[Submit]:
     with client:
         if not client.nthreads():
             say(f"{address} has no workers yet; it is waited for them")
-            client.wait_for_workers(1)
         require_same_versions(client)
         executor = client.get_executor(pure=False)
         try:
@@ -101,8 +102,9 @@ def versions() -> set[str]:
 
 
 def require_same_versions(client: Any) -> None:
-    """Raise InputError if the program on a worker of a cluster is missing or another version."""
+    """Wait for a worker of a cluster; raise InputError if one lacks the program or has another."""
     try:
+        client.submit(versions, pure=False).result()  # some clusters start workers for tasks only
         on_workers = client.run(versions)
     except ImportError as error:
         raise InputError(

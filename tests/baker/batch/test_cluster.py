@@ -193,7 +193,7 @@ def test_a_scheduler_that_goes_is_told(tmp_path):
 
 def test_a_worker_without_the_program_is_told():
     class Client:
-        def run(self, function):
+        def submit(self, function, pure):
             raise ModuleNotFoundError("No module named 'baker'")
 
     with pytest.raises(InputError, match=r"lacks the program \(No module named 'baker'\)"):
