@@ -106,9 +106,10 @@ def require_same_versions(client: Any) -> None:
     try:
         client.submit(versions, pure=False).result()  # some clusters start workers for tasks only
         on_workers = client.run(versions)
-    except ImportError as error:
+    except (ImportError, RuntimeError) as error:  # of a worker, of the scheduler
+        reason = str(error).partition(".")[0]
         raise InputError(
-            f"A worker of the cluster lacks the program ({error}); install it there, too."
+            f"The cluster lacks the program ({reason}); install it on its scheduler and workers."
         ) from None
     ours = versions()
     for worker, theirs in on_workers.items():

@@ -191,10 +191,17 @@ def test_a_scheduler_that_goes_is_told(tmp_path):
         list(bake_plants(partial(submit_failing, gone), [job]))
 
 
-def test_a_worker_without_the_program_is_told():
+@pytest.mark.parametrize(
+    "error",
+    [
+        ModuleNotFoundError("No module named 'baker'"),
+        RuntimeError("Error during deserialization of the task graph. This frequently occurs"),
+    ],
+)
+def test_a_cluster_without_the_program_is_told(error):
     class Client:
         def submit(self, function, pure):
-            raise ModuleNotFoundError("No module named 'baker'")
+            raise error
 
-    with pytest.raises(InputError, match=r"lacks the program \(No module named 'baker'\)"):
+    with pytest.raises(InputError, match=r"lacks the program \([\w' ]+\); install it"):
         workers.require_same_versions(Client())
