@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
-from baker.geometry.neighbors import nearest_neighbors, point_spacing
+from baker.geometry.neighbors import point_spacing
 from baker.interpolation.organ_shapes import Attachments
 from baker.verdict.doubt import MIN_SHARE
 from gclip import Interval, Motion
@@ -76,11 +76,13 @@ def torn_share(ends: Points, spacing: float, threshold: float) -> float:
 
     It is the larger share of both directions: neighbours may be separated, or brought together.
     """
+    from scipy.spatial import KDTree
+
     shares = [0.0]
     for points, moved in (ends, ends[::-1]):
-        near = nearest_neighbors(points, NEIGHBORS)
-        i, column = np.nonzero(near.distances < NEIGHBOR_DISTANCE * spacing)
-        moved_distance = np.linalg.norm(moved[i] - moved[near.indices[i, column]], axis=1)
+        distance, neighbor = KDTree(points).query(points, NEIGHBORS + 1)
+        i, column = np.nonzero(distance[:, 1:] < NEIGHBOR_DISTANCE * spacing)
+        moved_distance = np.linalg.norm(moved[i] - moved[neighbor[i, column + 1]], axis=1)
         shares += [float((moved_distance > threshold).mean())] if len(i) else []
     return max(shares)
 
