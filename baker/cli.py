@@ -9,8 +9,7 @@ from typing import Annotated, Any, get_type_hints
 
 import typer
 
-from baker.batch.outputs import Outputs
-from baker.options import Options
+from baker.options import Options, Outputs
 from gclip.terminal.command import VersionOption, in_panels, run_app
 
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
@@ -28,17 +27,17 @@ PANELS = {
 
 def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
     """Give a command a parameter for each option among the fields of `Options` and `Outputs`."""
-    declared = signature(command, eval_str=True).parameters.values()
-    parameters = [p.replace(kind=Parameter.KEYWORD_ONLY) for p in declared if p.name != "flags"]
+    *declared, _ = signature(command, eval_str=True).parameters.values()  # without **flags
+    parameters = [parameter.replace(kind=Parameter.KEYWORD_ONLY) for parameter in declared]
     hints = get_type_hints(Options) | get_type_hints(Outputs)
     hints |= {"root": str | None, "corrections": str | None}  # the texts that are parsed
     by_name = {each.name: each for each in (*fields(Options), *fields(Outputs))}
-    for each in (by_name[name] for panel in PANELS.values() for name in panel.split()):
-        settings = {name: each.metadata[name] for name in each.metadata if name != "check"}
-        names = [f"--{each.name.replace('_', '-')}", *settings.pop("short", [])]
+    for name in " ".join(PANELS.values()).split():
+        settings = dict(by_name[name].metadata["settings"])
+        names = [f"--{name.replace('_', '-')}", *settings.pop("short", [])]
         option = typer.Option(*names, **settings, case_sensitive=False)  # allows --up Z
-        flag = Parameter(each.name, Parameter.KEYWORD_ONLY, default=each.default)
-        parameters.append(flag.replace(annotation=Annotated[hints[each.name], option]))
+        flag = Parameter(name, Parameter.KEYWORD_ONLY, default=by_name[name].default)
+        parameters.append(flag.replace(annotation=Annotated[hints[name], option]))
     command.__signature__ = Signature(parameters)  # type: ignore[attr-defined]
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return command

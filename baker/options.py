@@ -12,13 +12,17 @@ from baker.errors import InputError, excerpt, input_errors
 from gclip.corrections import Correction, Corrections, read_corrections
 
 MAX_COORDINATE = 1e12
-MAX_UNIT_LENGTH = 100  # characters
+DEFAULTS = {"segment": "organs", "paths": "curved"}  # of options that are "auto"
+PAPER_DEFAULTS = {"align": "icp", "segment": "thin", "transport": "sinkhorn", "paths": "straight"}
 
 Check = tuple[Callable[[Any], Any], str]
 """Whether the value of an option is allowed, and what is needed if it is not."""
 
+Root = tuple[float, float, float] | Literal["virtual"] | None
+
 POSITIVE: Check = (lambda number: 0 < number < inf, "a number above 0")
 NAMES: Check = (lambda text: not text or text.strip(", "), "a name")
+SHORT: Check = (lambda text: len(text) <= 100, "one of at most 100 characters")
 
 
 def option(default: Any, help: str, check: Check | None = None, **settings: Any) -> Any:
@@ -28,7 +32,12 @@ def option(default: Any, help: str, check: Check | None = None, **settings: Any)
         needed = f"at least {low}" if high == inf else f"from {low} to {high}"
         check = (lambda number: low <= number <= high), needed
         settings = {"metavar": "N"} | settings
-    return field(default=default, metadata={"help": help, "check": check, **settings})
+    return field(default=default, metadata={"check": check, "settings": {"help": help, **settings}})
+
+
+def positive(default: float | None, metavar: str, help: str) -> Any:
+    """An option that is a number above 0."""
+    return option(default, help, POSITIVE, metavar=metavar)
 
 
 def _is_root(root: Any) -> bool:
@@ -77,7 +86,7 @@ class Options:
     up: Literal["auto", "x", "y", "z", "-x", "-y", "-z"] = option(
         "auto", "The axis along which the plant grows up."
     )
-    root: tuple[float, float, float] | Literal["virtual"] | None = option(
+    root: Root = option(
         None,
         "Where the stem leaves the ground, as coordinates; or virtual if no organ is a stem.",
         (_is_root, "a place, like 0,0,-12.5, or virtual"),
@@ -93,10 +102,7 @@ class Options:
         None, "The column or field of the scans that holds the labels of organs.", metavar="NAME"
     )
     drop_label: str = option(
-        "",
-        "Leave out points with label L, a pot's for example; with several: L,M.",
-        NAMES,
-        metavar="L",
+        "", "Leave out points with label L, such as a pot's; with several: L,M.", NAMES, metavar="L"
     )
     columns: str = option(
         "",
@@ -105,10 +111,7 @@ class Options:
         metavar="NAMES",
     )
     fields: str = option(
-        "",
-        "Scalar fields of the scans to carry into the clip, such as ndvi,temperature.",
-        NAMES,
-        metavar="NAMES",
+        "", "Scalar fields to add to the clip, such as ndvi,temperature.", NAMES, metavar="NAMES"
     )
     corrections: tuple[Correction, ...] | None = option(
         None,
@@ -117,24 +120,15 @@ class Options:
         parser=parse_corrections,
         metavar="FILE",
     )
-    scale: float = option(
-        1.0, "Multiply all coordinates by this.", metavar="FACTOR", check=POSITIVE
-    )
+    scale: float = positive(1.0, "FACTOR", "Multiply all coordinates by this.")
     ground: Literal["auto", "keep"] = option(
         "auto", "Soil or a table under the plant: auto removes it, keep leaves it."
     )
-    voxel: float | None = option(
-        None,
-        "Thin the scans to one point of each organ in each cube of this edge length.",
-        metavar="SIZE",
-        check=POSITIVE,
+    voxel: float | None = positive(
+        None, "SIZE", "Thin the scans to one point of each organ in each cube of this edge length."
     )
-    outliers: float | None = option(
-        None,
-        "Remove stray points: those whose distance from their neighbours is R standard deviations "
-        "above the mean; try 2.",
-        metavar="R",
-        check=POSITIVE,
+    outliers: float | None = positive(
+        None, "R", "Remove points whose neighbours are R standard deviations too far away; try 2."
     )
     resample: int | None = option(
         None, "Thin the scans to about N points each, evenly spread.", min=10
@@ -148,17 +142,11 @@ class Options:
     neighbors: int = option(
         15, "For --transport sinkhorn: nearest points that each may be paired with.", min=1
     )
-    gamma: float = option(
-        0.3,
-        "For --transport sinkhorn: its regularisation, as a share of the median cost.",
-        metavar="SHARE",
-        check=POSITIVE,
+    gamma: float = positive(
+        0.3, "SHARE", "For --transport sinkhorn: its regularisation, as a share of the median cost."
     )
-    tolerance: float = option(
-        1e-3,
-        "For --transport sinkhorn: it stops below this share of misplaced mass.",
-        metavar="ERROR",
-        check=POSITIVE,
+    tolerance: float = positive(
+        1e-3, "ERROR", "For --transport sinkhorn: it stops below this share of misplaced mass."
     )
     iterations: int = option(2000, "For --transport sinkhorn: the most iterations.", min=1)
     graph_neighbors: int = option(
@@ -197,12 +185,7 @@ class Options:
     precision: Literal["auto", "float32"] = option(
         "auto", "How the clip stores coordinates: auto in 16 bits where that is fine enough."
     )
-    unit: str = option(
-        "",
-        "The scans' unit of length, such as mm.",
-        (lambda unit: len(unit) <= MAX_UNIT_LENGTH, f"one of at most {MAX_UNIT_LENGTH} characters"),
-        metavar="UNIT",
-    )
+    unit: str = option("", "The scans' unit of length, such as mm.", SHORT, metavar="UNIT")
     workers: int = option(0, "How many cores to use; 0 takes all.", min=0)
 
     def __post_init__(self) -> None:
@@ -228,12 +211,7 @@ class Options:
         """Whether the plant is transported as a whole, without segments (the paper's Figure 3)."""
         return self.transport == "whole"
 
-    def for_series(
-        self,
-        fixed_frame: bool,
-        unit: str,
-        root: tuple[float, float, float] | Literal["virtual"] | None,
-    ) -> Self:
+    def for_series(self, fixed_frame: bool, unit: str, root: Root) -> Self:
         """Fill in options that were left open and that the series determines.
 
         fixed_frame: whether the scans are from a fixed camera: they share one frame with z up.
@@ -248,20 +226,14 @@ class Options:
 
     def resolved(self) -> Self:
         """Replace "auto" by the default of this program or, with --paper, by that of the paper."""
-        straight = self.paper if self.paths == "auto" else self.paths == "straight"
-        # Additional movers follow curved paths next to those of others.
-        even = 0.0 if self.paper or straight else 1.0
-        return replace(
-            self,
-            align="icp" if self.paper and self.align == "auto" else self.align,
-            labels="ignore" if self.whole or self.segment != "auto" else self.labels,
-            segment=("thin" if self.paper else "organs")
-            if self.segment == "auto"
-            else self.segment,
-            transport="sinkhorn" if self.paper and self.transport == "auto" else self.transport,
-            paths="straight" if straight else "curved",
-            even=even if self.even is None else self.even,
-        )
+        defaults = PAPER_DEFAULTS if self.paper else DEFAULTS
+        chosen: dict[str, Any] = {k: v for k, v in defaults.items() if getattr(self, k) == "auto"}
+        if self.whole or self.segment != "auto":
+            chosen["labels"] = "ignore"
+        if self.even is None:  # added movers follow curved paths next to those of others
+            is_curved = chosen.get("paths", self.paths) == "curved"
+            chosen["even"] = 1.0 if is_curved and not self.paper else 0.0
+        return replace(self, **chosen)
 
     def provenance(self) -> dict[str, Any]:
         """The options that influence the clip, as JSON, with the names of files only."""
@@ -269,3 +241,34 @@ class Options:
         document: dict[str, Any] = to_builtins(complete, enc_hook=lambda path: path.name)
         del document["workers"]
         return document
+
+
+def parse_folder(text: str) -> Path:
+    """Parse the argument of --cache."""
+    if not text:  # an empty shell variable, which would mean the working directory
+        raise InputError("--cache has no name of a folder.")
+    return Path(text)
+
+
+@dataclass(frozen=True)
+class Outputs:
+    """What to write, and how; the fields other than `clip` are options of `bake`."""
+
+    clip: Path  # the file; of many plants the folder of their clips
+    report: Path | None = option(
+        None, "Write a report with pictures; of many plants, a folder of them.", metavar="OUT.html"
+    )
+    traits: Path | None = option(
+        None, "Write a table of lengths, areas, angles and growth.", metavar="OUT.csv"
+    )
+    cluster: str | None = option(
+        None,
+        "Bake many plants on many machines: the address of a dask scheduler.",
+        metavar="ADDRESS",
+    )
+    cache: Path | None = option(
+        None, "Keep finished work there for later bakes.", parser=parse_folder, metavar="DIR"
+    )
+    force: bool = option(False, "Overwrite what exists; of many plants, bake all again.")
+    quiet: bool = option(False, "Say nothing but errors.", short=["-q"])
+    verbose: bool = option(False, "Say what was found in each scan.", short=["-v"])

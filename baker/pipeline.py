@@ -3,24 +3,23 @@
 Each stage passes its result on to the next; no stage calls another one.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import pairwise, repeat
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from baker.alignment import Alignment, align
-from baker.alignment.keyframes import AlignedSeries, Keyframe, aligned_keyframes, hold_out
+from baker.alignment.keyframes import AlignedSeries, aligned_keyframes, hold_out
 from baker.alignment.stem_base import base_point
 from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, reporting, thread_map, worker_count
 from baker.geometry.surface import normals_and_areas
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.attributes import painted, with_fields
-from baker.interpolation.interval_job import IntervalSolver, interval_jobs, solve_intervals
+from baker.interpolation.interval_job import interval_jobs, solve_intervals
 from baker.interpolation.provenance import describe_provenance, describe_tracks
 from baker.matching import LabelUse, follow_labels, follow_organs, label_policy, match_series
 from baker.matching.corrections import (
@@ -41,8 +40,8 @@ from baker.segmentation.label_cleaning import with_clean_labels
 from baker.segmentation.organs import segment_organs
 from baker.transport.solve import wasserstein
 from baker.transport.tasks import interval_tasks
-from baker.verdict import FollowedOrgans, judge_clip
-from gclip import Clip, HeldOutScan, ScanMark
+from baker.verdict.judge import judge_clip
+from gclip import Clip, HeldOutScan, Interval, ScanMark
 
 Progress = Callable[[str, int, int], None]
 """``progress(stage, done, total)``"""
@@ -75,7 +74,7 @@ def bake_recorded(
     paths: Sequence[str | Path],
     options: Options | None = None,
     progress: Progress | None = None,
-    solve: IntervalSolver | None = None,
+    solve: Callable[..., Iterable[Interval]] | None = None,
     times: Sequence[object] | None = None,
     announce: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, Survey]:
@@ -88,8 +87,8 @@ def bake_recorded(
     options : Options, optional
     progress : callable, optional
         Called with the name of a stage, the steps done and their total.
-    solve : IntervalSolver, optional
-        Solves the intervals with a cache or on a cluster; by default in threads.
+    solve : callable, optional
+        `solve_intervals`, or a function like it that has a cache.
     times : sequence, optional
         The day or date of each scan; by default they are read from the names.
     announce : callable, optional
@@ -132,8 +131,7 @@ def bake_recorded(
     intervals = zip(pairwise(aligned.clouds), matches, strict=True)
     tasks = [interval_tasks(*interval, choices.bud, choices.paper) for interval in intervals]
     jobs = interval_jobs(aligned, matches, tasks, choices, unlabelled=labels.unlabelled)
-    solve = solve or partial(solve_intervals, workers=workers)
-    solved = tuple(solve(jobs, partial(progress, "transport")))
+    solved = tuple((solve or solve_intervals)(jobs, partial(progress, "transport"), workers))
     clip = Clip(
         scans=tuple(ScanMark(s.name, s.time, s.date, len(s)) for s in series.scans),
         intervals=solved,
@@ -150,10 +148,8 @@ def bake_recorded(
         ),
     )
     confirmed = confirmed_organs(labels.given, survey.corrections)
-    followed = FollowedOrgans(aligned.clouds, aligned.bases, matches, labels.unlabelled, confirmed)
-    contacts = [job.attachments for job in jobs]
     with thread_map(workers) as map:
-        clip = judge_clip(clip, contacts, None if labels.are_names else followed, map)
+        clip = judge_clip(clip, jobs, labels, confirmed, map)
     return with_fields(clip, aligned.clouds, series.scans), survey
 
 
@@ -176,53 +172,36 @@ def survey_series(
     files = [Path(path) for path in paths]
     raw = read_series(files, options, partial(progress, "reading"), map, times)
     options = options.for_series(raw.fixed, raw.length, raw.root)
-    choices = options.resolved()
-    root = None
+    choices, root = options.resolved(), None
     if options.root not in (None, "virtual"):  # the plant base that the user named
         root = np.asarray(options.root, float) - raw.scans[0].origin
     alignment = align(raw, choices.align, choices.up, root, progress, map)
-    keyframes = aligned_keyframes(raw, alignment)
-    series, keyframes, held_out = hold_out(raw, keyframes, options.holdout)
-    series, aligned = _measure(series, keyframes, alignment, root, choices, map)
-    labels = label_policy(
-        [scan.labels for scan in series.scans],
-        [scan.name for scan in series.scans],
-        aligned.clouds,
-        aligned.bases,
-        choices.labels,
-        raw.label_field,
-    )
-    corrections = options.corrections or ()
-    if corrections:
-        labels = replace(labels, findings=(*labels.findings, corrections_finding(corrections)))
-    located = locate_corrections(corrections, raw, series, aligned, options.scale)
-    return Survey(raw, series, options, alignment, aligned, held_out, labels, located)
+    series, frames, held_out = hold_out(raw, aligned_keyframes(raw, alignment), options.holdout)
 
-
-def _measure(
-    series: Series,
-    keyframes: Sequence[Keyframe],
-    alignment: Alignment,
-    root: NDArray[np.float64] | None,
-    options: Options,
-    map: MapLike,
-) -> tuple[Series, AlignedSeries]:
-    """Find each scan's nearest neighbours, normals and point areas, clean labels, and its base."""
-    clouds, vertical = [frame.positions for frame in keyframes], Vertical.named(alignment.up)
-    # One scan at a time, since scans differ in size.
+    # What later stages ask of points: one scan at a time, since scans differ in size.
+    clouds, vertical = [frame.positions for frame in frames], Vertical.named(alignment.up)
     neighbors = [nearest_neighbors(cloud, map=map) for cloud in clouds]
     surfaces = map(normals_and_areas, clouds, neighbors)
     if not options.paper:
         series = replace(series, scans=tuple(map(with_clean_labels, series.scans, neighbors)))
     is_found = root is None and not options.paper
-    positions = [frame.base if is_found else root for frame in keyframes]
-    bases = tuple(map(base_point, clouds, [vertical] * len(clouds), neighbors, positions))
-    frames = tuple(
-        replace(frame, normals=normals, area=area if options.even else None)
-        for frame, (normals, area) in zip(keyframes, surfaces, strict=True)
+    positions = [frame.base if is_found else root for frame in frames]
+    bases = map(base_point, clouds, repeat(vertical), neighbors, positions)
+    keyframes = tuple(
+        replace(frame, normals=normals, area=area if choices.even else None)
+        for frame, (normals, area) in zip(frames, surfaces, strict=True)
     )
-    times = tuple(scan.time for scan in series.scans)
-    return series, AlignedSeries(times, frames, tuple(neighbors), bases, vertical)
+    days = tuple(scan.time for scan in series.scans)
+    aligned = AlignedSeries(days, keyframes, tuple(neighbors), tuple(bases), vertical)
+
+    given, names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
+    places = aligned.clouds, aligned.bases
+    labels = label_policy(given, names, *places, choices.labels, raw.label_field)
+    corrections = options.corrections or ()
+    if corrections:
+        labels = replace(labels, findings=(*labels.findings, corrections_finding(corrections)))
+    located = locate_corrections(corrections, raw, series, aligned, options.scale)
+    return Survey(raw, series, options, alignment, aligned, held_out, labels, located)
 
 
 def _segment(
@@ -241,11 +220,8 @@ def _segment(
         return labels, list(map(hierarchy_from_spanning_tree, *scans, k, threshold))
     is_complete = len(organs) == len(clouds)
     if not is_complete:
-        segmented = segment_organs(clouds, bases, map)
-        organs = [
-            found if given is None else given
-            for given, found in zip(labels.labels, segmented, strict=True)
-        ]
+        pairs = zip(labels.labels, segment_organs(clouds, bases, map), strict=True)
+        organs = [found if given is None else given for given, found in pairs]
     organs = with_corrected_organs(organs, aligned, corrections)
     labels = labels.with_given(organs)
     if not is_complete or not (labels.consistent or options.paper):

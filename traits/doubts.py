@@ -1,4 +1,4 @@
-"""Read the doubts of a clip's bake (docs/format.md, `provenance.verdict`)."""
+"""The doubts about a clip in its provenance (docs/format.md, `provenance.verdict`)."""
 
 from __future__ import annotations
 
@@ -19,7 +19,8 @@ class Doubt:
     end: float
     track: int
     what: str  #: a clause: "organ 3 tears"
-    identity: bool  #: whether it may be another organ than before
+    strength: float = 1.0  #: the measured value over its threshold: 1 is just doubtful
+    identity: bool = False  #: whether the organ may be another one, rather than move wrongly
 
     def concerns(self, time: float) -> bool:
         """Whether the organ's traits at a time may be wrong.

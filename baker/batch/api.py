@@ -1,7 +1,7 @@
 """Bake scans from Python: files, NumPy arrays or Open3D point clouds."""
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import date
@@ -19,8 +19,8 @@ from baker.pipeline import Progress, bake_recorded
 from gclip import Clip
 from gclip.corrections import Correction
 
-PointData = dict[str, NDArray]
-"""Name of the array in an NPZ file -> array; ``"points"`` is (N, 3)."""
+Attributes = dict[str, Sequence[ArrayLike | None]]
+"""Name of an array in an NPZ file, such as "labels" -> that of each scan."""
 
 
 def bake(
@@ -67,7 +67,7 @@ def bake(
     --------
     >>> clip = bake([first, second], times=[0, 2], unit="mm")  # doctest: +SKIP
     """
-    attributes: dict[str, Sequence[ArrayLike | None]] = {}
+    attributes: Attributes = {}
     for name, value in (("labels", labels), ("colors", colors)):
         if isinstance(value, str):
             choices[name] = value
@@ -85,21 +85,18 @@ def bake(
 
 
 @contextmanager
-def _scan_files(
-    scans: str | PathLike[str] | Sequence[Any], attributes: Mapping[str, Sequence[ArrayLike | None]]
-) -> Iterator[list[Path]]:
+def _scan_files(scans: Any, attributes: Attributes) -> Iterator[list[Path]]:
     """The files of the scans; those in memory are written to temporary files, with attributes."""
-    if isinstance(scans, str | PathLike) or not isinstance(scans, Iterable):  # one point cloud
-        scans = [scans]
-    scans = list(scans)
+    is_one = isinstance(scans, str | PathLike) or not isinstance(scans, Iterable)
+    scans = [scans] if is_one else list(scans)
     for name, values in attributes.items():
         if len(values) != len(scans):
             raise InputError(f"{name} holds {len(values)} arrays for {len(scans)} scans.")
     with TemporaryDirectory() as folder:
         paths = []
         for index, scan in enumerate(scans):
-            data = {n: np.asarray(v[index]) for n, v in attributes.items() if v[index] is not None}
-            paths.append(_scan_file(scan, data, Path(folder, f"scans[{index}]")))
+            given = {n: np.asarray(v[index]) for n, v in attributes.items() if v[index] is not None}
+            paths.append(_scan_file(scan, given, Path(folder, f"scans[{index}]")))
         try:
             yield paths
         except InputError as error:
@@ -107,7 +104,7 @@ def _scan_files(
             raise InputError(message) from None
 
 
-def _scan_file(scan: Any, attributes: PointData, path: Path) -> Path:
+def _scan_file(scan: Any, attributes: dict[str, NDArray], path: Path) -> Path:
     """The file of a scan; one in memory is written to `path` with a suffix."""
     if isinstance(scan, str | PathLike):
         if attributes:
@@ -115,7 +112,7 @@ def _scan_file(scan: Any, attributes: PointData, path: Path) -> Path:
             raise InputError(f"{min(attributes)} are for scans in memory; {found}.")
         return Path(scan)
     if hasattr(scan, "point") or hasattr(scan, "points"):
-        data = _cloud_data(scan)
+        arrays = _cloud_arrays(scan)
     else:
         table = np.asarray(scan)
         if table.ndim != 2 or table.shape[1] < 3 or table.dtype.kind not in "biuf":
@@ -126,27 +123,19 @@ def _scan_file(scan: Any, attributes: PointData, path: Path) -> Path:
         if not attributes:  # the reader of NPY files names the columns
             np.save(f"{path}.npy", table)
             return Path(f"{path}.npy")
-        data = {"points": table[:, :3]}
-    arrays: Any = data | attributes
-    np.savez(f"{path}.npz", **arrays)
+        arrays = {"points": table[:, :3]}
+    np.savez(f"{path}.npz", **(arrays | attributes))  # type: ignore[arg-type]
     return Path(f"{path}.npz")
 
 
-def _cloud_data(cloud: Any) -> PointData:
-    """The arrays of an Open3D point cloud, a tensor one (with `.point`) or a legacy one."""
-    if hasattr(cloud, "point"):
-        arrays = {key: cloud.point[key].cpu().numpy() for key in cloud.point}
-        return {"points": arrays.pop("positions")} | {
-            key: _to_bytes(values) if key == "colors" else np.squeeze(values)
-            for key, values in arrays.items()
-            if key != "normals"
-        }
-    colors = {"colors": _to_bytes(np.asarray(cloud.colors))} if cloud.has_colors() else {}
-    return {"points": np.asarray(cloud.points)} | colors
+def _cloud_arrays(cloud: Any) -> dict[str, NDArray]:
+    """The arrays of an Open3D point cloud, under the names that the reader of NPZ files knows."""
+    if not hasattr(cloud, "point"):  # a legacy one
+        import open3d
 
-
-def _to_bytes(colors: NDArray) -> NDArray[np.uint8]:
-    """Convert colours in [0, 1] to uint8; uint8 stays as it is."""
-    if colors.dtype == np.uint8:
-        return colors
-    return np.round(255 * np.clip(colors, 0, 1)).astype(np.uint8)
+        cloud = open3d.t.geometry.PointCloud.from_legacy(cloud, open3d.core.float64)
+    arrays = {name: cloud.point[name].cpu().numpy() for name in cloud.point if name != "normals"}
+    colors = arrays.get("colors")
+    if colors is not None and colors.dtype != np.uint8:
+        arrays["colors"] = np.round(255 * np.clip(colors, 0, 1)).astype(np.uint8)
+    return {name: v[:, 0] if v.shape[1:] == (1,) else v for name, v in arrays.items()}

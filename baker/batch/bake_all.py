@@ -3,19 +3,16 @@
 import sys
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import as_completed
-from contextlib import AbstractContextManager, nullcontext
+from concurrent.futures import CancelledError, as_completed
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryFile
 
-from baker.batch.cluster import cluster_pool, task_errors
-from baker.batch.outputs import Outputs, check_output
-from baker.batch.parallel import Submit, WorkerDied, process_pool
 from baker.batch.plant import Outcome, PlantJob, bake_plant
+from baker.batch.workers import Submit, cluster_pool, process_pool
 from baker.errors import InputError
 from baker.geometry.parallel import worker_count
-from baker.options import Options
+from baker.options import Options, Outputs
 from gclip.terminal.atomic import writing
 from gclip.terminal.command import DONE, OUR_FAULT
 from gclip.terminal.progress import StageProgress
@@ -30,7 +27,6 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
     fault for any plant, else 2 if any input was, else 0. Raises InputError if no plant can be baked
     with these options and outputs.
     """
-    check_output(outputs.traits, True, "a table of traits", ".csv")  # an old table is extended
     if options.corrections:
         raise InputError(
             "--corrections is for one plant; of many, each one's are found beside its clip."
@@ -38,23 +34,26 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
     for folder in filter(None, (outputs.clip, outputs.report)):
         _make_folder(folder)
     table = TraitsTable(outputs.traits) if outputs.traits else None
-    jobs = [_job(name, plants[name], options, outputs, table) for name in plants]
     workers = worker_count(options.workers)
-    processes = max(1, min(workers, len(jobs)))  # fewer plants than cores use several cores each
+    processes = max(1, min(workers, len(plants)))  # fewer plants than cores use several cores each
+    options = replace(options, workers=1 if outputs.cluster else workers // processes)
+    jobs = [_job(name, folder, options, outputs, table) for name, folder in plants.items()]
     outcomes: dict[str, Outcome] = {}
     with StageProgress(outputs.quiet) as progress:
         progress("plants", 0, len(jobs))
-        if outputs.cluster:
-            pool, cores = cluster_pool(outputs.cluster, progress.say), 1
-        else:
-            pool, cores = process_pool(processes), workers // processes
+        address = outputs.cluster
+        pool = cluster_pool(address, progress.say) if address else process_pool(processes)
         with pool as submit:
-            errors = task_errors if outputs.cluster else nullcontext
-            for outcome in bake_plants(submit, jobs, cores, errors):
-                _report(outcome, len(outcomes) + 1, len(jobs), progress, outputs.verbose)
+            for outcome in bake_plants(submit, jobs):
                 if table:
                     table.add(outcome.name, outcome.traits)
                 outcomes[outcome.name] = replace(outcome, traits="", notes=())
+                progress("plants", len(outcomes), len(jobs))
+                if progress.plain or outputs.verbose or outcome.state == "failed":
+                    done = f"{len(outcomes)}/{len(jobs)}: {outcome.name} {outcome.state}"
+                    progress.say(f"{done}, {outcome.seconds:.1f} s")
+                for note in outcome.notes * outputs.verbose:
+                    progress.say(f"    {note}")
     listed = [outcomes[name] for name in plants]
     if table:
         table.save(outcome.name for outcome in listed if outcome.state != "failed")
@@ -67,52 +66,43 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
 
 
 def bake_plants(
-    submit: Submit,
-    jobs: Sequence[PlantJob],
-    cores: int,
-    task_errors: Callable[[], AbstractContextManager[None]] = nullcontext,
-    bake: Callable[[PlantJob], Outcome] = bake_plant,
+    submit: Submit, jobs: Sequence[PlantJob], bake: Callable[[PlantJob], Outcome] = bake_plant
 ) -> Iterator[Outcome]:
-    """Bake plants as tasks of an executor; yields their outcomes as soon as they are ready.
-
-    cores: number of cores for each plant; task_errors: a context that may raise WorkerDied.
-    """
-    jobs = [replace(job, options=replace(job.options, workers=cores)) for job in jobs]
+    """Bake plants as tasks of workers; yields their outcomes as soon as they are ready."""
     futures = {submit(bake, job): job for job in jobs}
     for future in as_completed(futures):
         job = futures.pop(future)  # frees the result as well
         try:
-            with task_errors():
-                outcome = future.result()
-        except WorkerDied as died:
-            outcome = Outcome(job.name, "failed", code=OUR_FAULT, error=str(died))
+            outcome = future.result()
+        except CancelledError:
+            raise InputError(
+                "The cluster's scheduler is gone; the plants that are done stay done, and the same "
+                "command does the others."
+            ) from None
+        except Exception as error:  # not of `bake_plant`, which returns its own
+            reason = str(error).partition(". ")[0]
+            sentence = (
+                f"its worker was killed ({reason}); most likely the scans need more memory than "
+                "there is: try fewer points (--voxel, --resample) or fewer processes (--workers)."
+            )
+            outcome = Outcome(job.name, "failed", code=OUR_FAULT, error=sentence)
         yield outcome
-
-
-def _report(
-    outcome: Outcome, done: int, total: int, progress: StageProgress, verbose: bool
-) -> None:
-    progress("plants", done, total)
-    if progress.plain or verbose or outcome.state == "failed":
-        progress.say(f"{done}/{total}: {outcome.name} {outcome.state}, {outcome.seconds:.1f} s")
-    for note in outcome.notes * verbose:
-        progress.say(f"    {note}")
 
 
 def _job(
     name: str, folder: Path, options: Options, outputs: Outputs, table: TraitsTable | None
 ) -> PlantJob:
     """The job of one plant, with absolute paths, since workers may have other working folders."""
-    current = Path.cwd()
     plant_outputs = replace(
         outputs,
-        clip=current / outputs.clip / f"{name}.gclip",
-        report=outputs.report and current / outputs.report / f"{name}.html",
-        cache=outputs.cache and current / outputs.cache,
+        clip=outputs.clip.absolute() / f"{name}.gclip",
+        report=outputs.report and outputs.report.absolute() / f"{name}.html",
+        cache=outputs.cache and outputs.cache.absolute(),
     )
-    options = replace(options, times=options.times and current / options.times)
-    known = table.known(name) if table else None
-    return PlantJob(name, current / folder, options, plant_outputs, known)
+    options = replace(options, times=options.times and options.times.absolute())
+    return PlantJob(
+        name, folder.absolute(), options, plant_outputs, table.known(name) if table else None
+    )
 
 
 def _make_folder(folder: Path) -> None:
@@ -129,14 +119,13 @@ def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> l
     row = f"{{:<{width}}}{{:>10}}{{:>10}}{{:>10}}{{:>10}}  {{}}".format
     lines = ["", row("plant", "scans", "tracks", "points", "seconds", "result")]
     for plant in outcomes:
-        sizes = (plant.scans, plant.tracks, plant.points)
-        counts = [f"{count:,}" if count else "" for count in sizes]
+        counts = [f"{count:,}" if count else "" for count in plant.sizes]
         result = f"{plant.state}: {plant.looks}" if plant.looks else plant.state
         lines.append(row(plant.name, *counts, f"{plant.seconds:.1f}", result))
     states = Counter(plant.state for plant in outcomes)
     found = ", ".join(f"{states[s]:,} {s}" for s in ("baked", "unchanged", "failed") if states[s])
     plants = f"{len(outcomes):,} plant{'s' * (len(outcomes) != 1)}"
-    points = sum(plant.points for plant in outcomes)
+    points = sum(plant.sizes[-1] for plant in outcomes)
     lines.append(f"{plants}: {found}; {points:,} points in {seconds:.1f} s")
     paths = (("clips", outputs.clip), ("reports", outputs.report), ("traits", outputs.traits))
     return lines + [f"{kind}: {path}" for kind, path in paths if path is not None]

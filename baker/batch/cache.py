@@ -16,9 +16,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from baker.errors import InputError
 from baker.geometry.parallel import ReportProgress
-from baker.interpolation.interval_job import IntervalJob, IntervalSolver
+from baker.interpolation.interval_job import IntervalJob, solve_intervals
 from baker.interpolation.provenance import software
 from gclip import Interval
 from gclip.errors import ClipError, UserError
@@ -30,28 +29,29 @@ class Cache:
     """A cache of intervals in `folder`, which may be deleted at any time.
 
     Entries that are missing, damaged or of another job are solved and written again. A bake goes on
-    where an interval can't be written. Raises InputError where the folder can't be made.
+    where an interval can't be written. Raises UserError where the folder can't be made.
     """
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
         self.found = self.solved = 0  #: intervals that were read from the folder, and that were not
         self.trouble = ""  #: why an interval could not be written, "" if all could
-        try:
+        with writing(self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{folder} can't be a cache: {error.strerror or error}.") from None
 
-    def solve(
-        self, solve: IntervalSolver, jobs: Sequence[IntervalJob], report_progress: ReportProgress
+    def solve_intervals(
+        self, jobs: Sequence[IntervalJob], report_progress: ReportProgress, workers: int = 1
     ) -> Iterator[Interval]:
-        """Solve the intervals that are not in the cache, and write them to it; yields all."""
+        """Solve the intervals that are not in the cache, and write them to it; yields all.
+
+        As `baker.interpolation.interval_job.solve_intervals`.
+        """
         keys = [self._key(job) for job in jobs]
         tracks = 1 + max((task.organ for job in jobs for task in job.tasks), default=0)
         cached = [self._read(key, job, tracks) for key, job in zip(keys, jobs, strict=True)]
         missing = [job for job, interval in zip(jobs, cached, strict=True) if interval is None]
         self.found, self.solved = len(jobs) - len(missing), len(missing)
-        solved = iter(solve(missing, report_progress))
+        solved = solve_intervals(missing, report_progress, workers)
         for key, interval in zip(keys, cached, strict=True):
             yield self._write(key, next(solved)) if interval is None else interval
 
@@ -63,11 +63,8 @@ class Cache:
     @cached_property
     def _program(self) -> tuple[Any, ...]:
         """The packages, the machine and the code; if one changes, no entry is found."""
-        import baker
-        import gclip
-
-        folders = [Path(str(package.__file__)).parent for package in (baker, gclip)]
-        code = [path.read_bytes() for folder in folders for path in sorted(folder.rglob("*.py"))]
+        packages = [Path(__file__).parents[2] / name for name in ("baker", "gclip")]
+        code = [path.read_bytes() for package in packages for path in sorted(package.rglob("*.py"))]
         return software(), platform.machine(), sha256(b"".join(code)).digest()
 
     def _key(self, job: Any) -> str:

@@ -3,20 +3,17 @@
 import sys
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import nullcontext, suppress
 from functools import partial
 from pathlib import Path
-from shutil import get_terminal_size, rmtree
+from shutil import get_terminal_size
 
 from baker.batch.bake_all import bake_all
 from baker.batch.cache import Cache
-from baker.batch.cluster import interval_solver
-from baker.batch.outputs import Outputs, check_not_input, check_output
 from baker.batch.plant import bake_into, with_corrections
 from baker.batch.plants import find_plants
 from baker.errors import InputError
 from baker.geometry.parallel import thread_map, worker_count
-from baker.options import Options
+from baker.options import Options, Outputs
 from baker.pipeline import survey_series
 from baker.report.summary import summary_lines, verdict_line
 from baker.report.verification import error_lines
@@ -24,11 +21,11 @@ from baker.scans import Finding
 from baker.scans.scan import TOPICS
 from baker.transport.compile import compile_kernels
 from gclip.corrections import corrections_file
+from gclip.terminal import atomic
 from gclip.terminal.progress import StageProgress
 from gclip.text import Lossy, printable
 from traits.plants import write_traits
 
-MIN_BYTES_TO_CACHE = 64 * 2**20  # of scans; a larger bake takes minutes and keeps its intervals
 UNWRAPPED = 10**6  # width of lines that are not printed to a terminal
 
 
@@ -43,16 +40,34 @@ def run(
         raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")
     plants = find_plants(inputs, output)
     if outputs.traits is not None:
-        check_not_input(
-            outputs.traits, [*(plants.values() or inputs), *filter(None, [options.times])]
-        )
+        _check_not_input(outputs.traits, [*(plants.values() or inputs), options.times])
     if list_only:
         list_plants(plants, inputs, options, outputs.quiet)
     elif plants:
+        check_output(outputs.traits, True, "a table of traits", ".csv")  # an old one is extended
         return bake_all(plants, options, outputs)
+    elif outputs.cluster:
+        raise InputError("--cluster is for many plants, each a folder of scans; this is one.")
     else:
         bake_one(inputs, options, outputs)
     return 0
+
+
+def check_output(path: Path | None, force: bool, kind: str, *suffixes: str) -> None:
+    """Raise UserError if a file, "a clip" for example, has a wrong suffix or can't be written."""
+    if path is None:
+        return
+    if path.suffix.lower() not in suffixes:
+        raise InputError(f"{path}: the name of {kind} ends in {suffixes[0]}.")
+    atomic.check_output(path, force)
+
+
+def _check_not_input(table: Path, inputs: Iterable[Path | None]) -> None:
+    """Raise InputError if a table would replace an input, or be in a folder of scans."""
+    for path in filter(None, inputs):
+        same = table.parent if path.is_dir() else table
+        if same.exists() and path.exists() and same.samefile(path):
+            raise InputError(f"{table} is among the inputs; write it elsewhere.")
 
 
 def list_plants(
@@ -108,13 +123,8 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     check_output(outputs.clip, outputs.force, "a clip", ".gclip")
     check_output(outputs.report, outputs.force, "a report", ".html", ".htm")
     check_output(outputs.traits, outputs.force, "a table of traits", ".csv")
-    temporary_cache = outputs.clip.with_name(f".{outputs.clip.name}.begun")
-    if cache is None and _bytes_of(inputs) >= MIN_BYTES_TO_CACHE:
-        cache = Cache(temporary_cache)
     corrected = with_corrections(options, outputs.clip)
-    is_compiled = not outputs.cluster and options.resolved().transport != "sinkhorn"
-    on_cluster = interval_solver(outputs.cluster) if outputs.cluster else nullcontext()
-    with on_cluster as solve, StageProgress(outputs.quiet) as progress:
+    with StageProgress(outputs.quiet) as progress:
 
         def announce(findings: Sequence[Finding]) -> None:
             for line in finding_lines(findings):
@@ -122,28 +132,17 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
             if corrected is not options:
                 progress.say(f"corrections: {corrections_file(outputs.clip)}")
             compiling = partial(progress, "compiling the solver, once")
-            if is_compiled and (remark := compile_kernels(compiling)):
-                progress.say(remark)
+            if options.resolved().transport != "sinkhorn" and (said := compile_kernels(compiling)):
+                progress.say(said)
 
-        clip, errors = bake_into(outputs, inputs, corrected, cache, solve, progress, announce)
-        rmtree(temporary_cache, ignore_errors=True)
+        clip, errors = bake_into(outputs, inputs, corrected, cache, progress, announce)
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
-    cached = cache.summary() if cache and (outputs.cache or cache.found) else ""
     lines = list(clip.provenance["notes"]) if outputs.verbose else []
+    cached = cache.summary() if cache else ""
     lines += summary_lines(clip, outputs.clip, progress.seconds, cached, outputs.verbose)
     lines += error_lines(errors, clip.unit) if errors else []
     written = {"report": outputs.report, "traits": outputs.traits}
     lines += [f"{kind}: {path}" for kind, path in written.items() if path is not None]
     for line in [*lines, verdict_line(clip, outputs.clip)]:
         progress.say(line)
-
-
-def _bytes_of(inputs: Sequence[Path]) -> int:
-    """The size of the scans' files."""
-    size = 0
-    with suppress(OSError):  # which reading the scans reports
-        for path in inputs:
-            files = path.iterdir() if path.is_dir() else [path]
-            size += sum(file.stat().st_size for file in files if file.is_file())
-    return size

@@ -7,19 +7,15 @@ import time
 import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Literal
 
 import gclip
 from baker.batch.cache import Cache
-from baker.batch.outputs import Outputs
-from baker.geometry.parallel import worker_count
-from baker.interpolation.interval_job import IntervalSolver, solve_intervals
 from baker.interpolation.provenance import software
-from baker.options import Options, parse_corrections
+from baker.options import Options, Outputs, parse_corrections
 from baker.pipeline import Progress, bake_recorded
-from baker.report import write_report
+from baker.report.page import write_report
 from baker.report.verification import HoldoutError, verify
 from baker.scans import Finding
 from baker.scans.read import digest, list_series
@@ -46,9 +42,7 @@ class Outcome:
 
     name: str
     state: Literal["baked", "unchanged", "failed"]
-    scans: int = 0
-    tracks: int = 0
-    points: int = 0  # of all scans
+    sizes: tuple[int, int, int] = (0, 0, 0)  # numbers of scans, tracks, and points of all scans
     seconds: float = 0.0  # wall clock time
     code: int = 0  # 0, or the exit code of the failure in `error`
     error: str = ""
@@ -77,13 +71,11 @@ def bake_plant(job: PlantJob) -> Outcome:
             traceback.print_exc()
         seconds = time.perf_counter() - start
         return Outcome(job.name, "failed", seconds=seconds, code=code, error=sentence)
-    line = clip.provenance["verdict"]["line"]
+    line, points = clip.provenance["verdict"]["line"], sum(scan.points for scan in clip.scans)
     return Outcome(
         job.name,
         state,
-        scans=len(clip.scans),
-        tracks=len(clip.track_table),
-        points=sum(scan.points for scan in clip.scans),
+        sizes=(len(clip.scans), len(clip.track_table), points),
         seconds=time.perf_counter() - start,
         traits=table.getvalue().partition("\n")[2],
         notes=(*clip.provenance["decisions"], *clip.provenance["notes"], line),
@@ -104,18 +96,15 @@ def bake_into(
     inputs: Sequence[Path],
     options: Options,
     cache: Cache | None = None,
-    solve: IntervalSolver | None = None,
     progress: Progress = lambda stage, done, total: None,
     announce: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, list[HoldoutError]]:
     """Bake a plant, write its clip and report, and compare it with the scans held out.
 
     inputs: a folder of scans, or the scans' files; cache: keeps the solved intervals; `options`,
-    `solve`, `progress`, `announce`: as in `bake_recorded`.
+    `progress`, `announce`: as in `bake_recorded`.
     """
-    if cache is not None:
-        solve = solve or partial(solve_intervals, workers=worker_count(options.workers))
-        solve = partial(cache.solve, solve)
+    solve = cache.solve_intervals if cache else None
     clip, survey = bake_recorded(inputs, options, progress, solve, announce=announce)
     progress("writing", 0, 1)
     clip.save(outputs.clip, outputs.force)  # another bake may have been faster
@@ -136,11 +125,10 @@ def current_clip(job: PlantJob) -> Clip | None:
     """
     path, report = job.outputs.clip, job.outputs.report
     try:
-        written = [file.stat().st_mtime for file in (path, report) if file]
         clip = gclip.open(path)
+        if report and report.stat().st_mtime < path.stat().st_mtime:  # of an earlier bake
+            return None
     except (OSError, gclip.ClipError):
-        return None
-    if written != sorted(written):  # the bake ended before the report
         return None
     listing = list_series([job.folder], job.options)
     series = listing.series
@@ -150,10 +138,8 @@ def current_clip(job: PlantJob) -> Clip | None:
         "options": resolved.provenance(),
         "inputs": [{"name": s.name, "sha256": digest(listing.files(s))} for s in series.scans],
     }
-    moments, baked = (
-        {(scan.name, scan.time, scan.date) for scan in scans}
-        for scans in (series.scans, clip.scans)
-    )
+    times = {(scan.name, scan.time, scan.date) for scan in series.scans}
+    is_current = times >= {(scan.name, scan.time, scan.date) for scan in clip.scans}
     found = {key: clip.provenance.get(key) for key in expected}
-    is_current = found == json.loads(json.dumps(expected)) and baked <= moments  # tuples as lists
+    is_current &= found == json.loads(json.dumps(expected))  # tuples as lists
     return clip if is_current else None

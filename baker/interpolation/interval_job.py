@@ -1,6 +1,6 @@
 """Solve single intervals: independent jobs for threads, processes or other machines."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -151,10 +151,6 @@ def _decays(
     return decays[::-1]
 
 
-IntervalSolver = Callable[[Sequence[IntervalJob], ReportProgress], Iterable[Interval]]
-"""Solves all jobs of a series; yields the intervals in their order."""
-
-
 def solve_intervals(
     jobs: Sequence[IntervalJob], report_progress: ReportProgress, workers: int = 1
 ) -> Iterator[Interval]:
@@ -173,37 +169,17 @@ def solve_intervals(
     gclip.Interval
         In the order of the jobs.
     """
-    with thread_map(workers) as map:
-        if len(jobs) >= workers:
-            yield from solve_by(map, jobs, report_progress)
-        else:
-            organ_map = reporting(map, report_progress, sum(len(job.tasks) for job in jobs))
-            yield from (solve_interval(job, organ_map, workers) for job in jobs)
-
-
-def solve_by(
-    map: MapLike, jobs: Sequence[IntervalJob], report_progress: ReportProgress
-) -> Iterator[Interval]:
-    """Solve intervals with a map, such as that of an executor of `concurrent.futures`.
-
-    Parameters
-    ----------
-    map : map-like callable
-    jobs : sequence of IntervalJob
-    report_progress : callable
-        Called with the number of organs solved and their total.
-
-    Yields
-    ------
-    Interval
-        In the order of the jobs.
-    """
     done, total = 0, sum(len(job.tasks) for job in jobs)
-    report_progress(0, total)
-    for job, interval in zip(jobs, map(solve_interval, jobs), strict=True):
-        done += len(job.tasks)
-        report_progress(done, total)
-        yield interval
+    with thread_map(workers) as map:
+        if len(jobs) < workers:
+            organ_map = reporting(map, report_progress, total)
+            yield from (solve_interval(job, organ_map, workers) for job in jobs)
+            return
+        report_progress(0, total)
+        for job, interval in zip(jobs, map(solve_interval, jobs), strict=True):
+            done += len(job.tasks)
+            report_progress(done, total)
+            yield interval
 
 
 def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> Interval:

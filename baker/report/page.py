@@ -12,11 +12,12 @@ from baker.options import Options
 from baker.pipeline import Survey
 from baker.report.pictures import MAX_DOUBTS_PICTURED, NoPicture, scans_pictured, take_pictures
 from baker.report.verification import HoldoutError, overall
-from baker.verdict.doubt import command_for, doubts_in, group_by_interval, headline, interval_dates
+from baker.verdict.doubt import command_for, group_by_interval, headline, interval_dates
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
 from gclip.text import printable
 from traits.curves import TraitCurve, plotted, trait_curves
+from traits.doubts import doubts_of
 
 MAX_TICKS = 5  # above 0, of the axis of growth curves
 MAX_CURVES = 40  # of a chart: nobody could tell more lines apart
@@ -53,7 +54,7 @@ def write_report(
     UserError
         If the file can't be written.
     """
-    title, doubts = printable(title), doubts_in(clip)  # a file name may not be valid UTF-8
+    title, doubts = printable(title), doubts_of(clip)  # a file name may not be valid UTF-8
     by_interval = group_by_interval(doubts)
     report_progress("report", 0, 1)
     with atomic_file(Path(path)) as part:

@@ -16,12 +16,11 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from baker.geometry.parallel import worker_count
-from baker.verdict import Doubt
 from gclip import Clip, ClipError
+from traits.doubts import Doubt
 
 PLAYER_TIMEOUT = 600.0  # seconds
-PIXELS = 90_000  # of one picture
-MIN_ASPECT, MAX_ASPECT = 0.62, 1.5  # width : height of a picture
+SIZE = "300x300"  # of one picture
 MAX_SCANS_PICTURED = 12
 MAX_DOUBTS_PICTURED = 3  # intervals, the most doubtful ones
 NEUTRAL_COLOR = (150, 158, 146)  # of organs that are not in doubt
@@ -93,8 +92,7 @@ def _render(job: Job, path: Path) -> list[str]:
     clip, times, options = job
     folder = path.with_suffix("")
     command = [sys.executable, "-m", "player", str(path), "--ground=light", "--quiet", *options]
-    command += [f"--export={folder}/%d.jpg", f"--size={_picture_size(clip)}"]
-    command += [f"--day={time!r}" for time in times]
+    command += [f"--export={folder}/%d.jpg", f"--size={SIZE}", *(f"--day={t!r}" for t in times)]
     try:
         clip.save(path)
         result = subprocess.run(command, capture_output=True, text=True, timeout=PLAYER_TIMEOUT)
@@ -106,12 +104,3 @@ def _render(job: Job, path: Path) -> list[str]:
         raise NoPicture((result.stderr.strip() or "the player said nothing").splitlines()[-1])
     files = [(folder / f"{number}.jpg").read_bytes() for number in range(len(times))]
     return ["data:image/jpeg;base64," + base64.b64encode(file).decode() for file in files]
-
-
-def _picture_size(clip: Clip) -> str:
-    """The size of a picture with `PIXELS` pixels, in the aspect ratio of the clip's bounds."""
-    sides = np.ptp(clip.bounds, axis=0)
-    up = "xyz".index(clip.up[-1])
-    aspect = np.delete(sides, up).max() / max(sides[up], 1e-9)
-    aspect = float(np.clip(aspect, MIN_ASPECT, MAX_ASPECT))
-    return f"{2 * round((PIXELS * aspect) ** 0.5 / 2)}x{2 * round((PIXELS / aspect) ** 0.5 / 2)}"

@@ -3,8 +3,9 @@
 from collections import Counter
 from pathlib import Path
 
-from baker.verdict.doubt import command_for, doubts_in, group_by_interval
+from baker.verdict.doubt import command_for, group_by_interval
 from gclip import Clip
+from traits.doubts import doubts_of
 
 VISIBLE_ERROR = 0.01  # marginal error of a transport plan above which the summary warns
 
@@ -57,6 +58,6 @@ def summary_lines(
 
 def verdict_line(clip: Clip, path: Path) -> str:
     """The verdict, and the command that shows the most doubtful interval."""
-    line, doubts = clip.provenance["verdict"]["line"], group_by_interval(doubts_in(clip))
+    line, doubts = clip.provenance["verdict"]["line"], group_by_interval(doubts_of(clip))
     command = f" Look: {command_for(doubts[0][0], path)}" if doubts else ""
     return str(line + command)

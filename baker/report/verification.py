@@ -67,9 +67,8 @@ def verify(
 def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
     """Mean of the means, mean of the deviations and largest maximum, in both directions."""
     figures = np.array([error.both for error in errors])  # (errors, 2 directions, 3 statistics)
-    mean, highest = figures.mean(axis=0).tolist(), figures.max(axis=0).tolist()
-    first, second = (Distances(m[0], m[1], h[2]) for m, h in zip(mean, highest, strict=True))
-    return first, second
+    statistics = np.where([True, True, False], figures.mean(axis=0), figures.max(axis=0))
+    return Distances(*statistics[0].tolist()), Distances(*statistics[1].tolist())
 
 
 def error_lines(errors: Sequence[HoldoutError], unit: str) -> list[str]:

@@ -2,37 +2,21 @@
 
 import shlex
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from gclip import Clip
+from traits.doubts import Doubt
 
 MIN_SHARE = 0.03  # of a scan's points: smaller organs aren't judged (docs/method.md, "The verdict")
 MAX_INTERVALS_NAMED = 3  # in the sentence, the most doubtful ones
 MAX_DOUBTS_NAMED = 2  # of each of these intervals
 
 
-@dataclass(frozen=True)
-class Doubt:
-    """One organ in one interval that looks wrong."""
-
-    start: float  #: times of the interval's scans
-    end: float
-    track: int
-    what: str  #: a clause: "organ 3 tears"
-    strength: float  #: the measured value over its threshold: 1 is just doubtful
-    identity: bool = False  #: whether the organ may be another one, rather than move wrongly
-
-
 def verdict_provenance(clip: Clip, doubts: Sequence[Doubt]) -> dict[str, Any]:
     """The verdict as an entry of the clip's provenance (docs/format.md)."""
     return {"line": describe_verdict(clip, doubts), "doubts": [asdict(doubt) for doubt in doubts]}
-
-
-def doubts_in(clip: Clip) -> list[Doubt]:
-    """The doubts in the provenance of a clip."""
-    return [Doubt(**doubt) for doubt in clip.provenance["verdict"]["doubts"]]
 
 
 def describe_verdict(clip: Clip, doubts: Sequence[Doubt]) -> str:

@@ -15,15 +15,14 @@ from baker.interpolation.organ_shapes import Attachments
 from baker.verdict.doubt import MIN_SHARE
 from gclip import Interval, Motion
 from gclip.evaluate import positions_on_curve
+from traits.doubts import Doubt
 
 Points = NDArray[np.floating]
 
 # Beyond these thresholds the motion of an organ is doubtful (docs/method.md, "The verdict").
 MAX_TORN_SHARE, MIN_ORDER_CORRELATION = 0.05, 0.5
 SAMPLE_SIZE = 400  # movers of an organ
-MIN_MOVERS = 60  # of an organ that is measured
-MIN_SIZE = 4.0  # likewise, its root mean square size in point spacings
-MIN_DISTINCT = 0.2  # likewise, its share of distinct points; new organs unfold from few points
+MIN_POINTS = 60  # in both scans, of an organ that is measured
 NEIGHBORS = 6
 NEIGHBOR_DISTANCE, TORN_DISTANCE = 2.5, 8.0  # in point spacings, of neighbours; of torn ones
 TORN_SIZE = 0.7  # in sizes of the organ, torn neighbours are at least so far apart: 1/5 of a rod
@@ -31,12 +30,11 @@ GRAPH_NEIGHBORS = 12
 
 
 def doubtful_motions(
-    interval: Interval, attachments: tuple[Attachments, Attachments]
-) -> Iterator[tuple[str, float, list[int]]]:
-    """Yield doubts about the motion of large organs that are matched.
+    interval: Interval, attachments: tuple[Attachments, Attachments], names: Sequence[str]
+) -> Iterator[Doubt]:
+    """Yield a doubt about the motion of each large organ that is matched and moves wrongly.
 
-    Each is a clause with {} for the name of an organ, a strength, and a list of the organ's id.
-    attachments: by track id, in the first and in the second scan.
+    attachments: by track id, in the first and in the second scan; names: of the tracks.
     """
     stop = max((g.stop for g in interval.groups if g.motion is Motion.MOVE), default=0)
     tracks = np.asarray(interval.tracks[:stop])
@@ -49,26 +47,23 @@ def doubtful_motions(
         ends = np.stack([positions_on_curve(interval, sample, u) for u in (0.0, 1.0)])
         contacts = [side[track] for side in attachments if track in side]
         faults = motion_faults(ends.astype(float), contacts)
-        what, strength = max(faults, key=lambda fault: fault[1], default=("", 0.0))
+        clause, strength = max(faults, key=lambda fault: fault[1], default=("", 0.0))
         if strength >= 1.0:
-            yield what, strength, [track]
+            what = clause.format(names[track])
+            yield Doubt(interval.start, interval.end, track, what, strength)
 
 
 def motion_faults(ends: Points, attachments: Sequence[Points]) -> Iterator[tuple[str, float]]:
     """Yield possible faults of an organ's motion: a clause with {} for the organ, and a strength.
 
     attachments: (c, 3) the points by which the organ touches its parent, in none or both scans. A
-    strength of 1 is just doubtful. An organ of few points or points in few places has no faults.
+    strength of 1 is just doubtful. An organ of fewer than `MIN_POINTS` has no faults.
     """
-    distinct, count = [np.unique(points, axis=0) for points in ends], ends.shape[1]
-    if count < MIN_MOVERS or min(map(len, distinct)) < MIN_DISTINCT * count:
+    distinct = [np.unique(points, axis=0) for points in ends]
+    if min(map(len, distinct)) < MIN_POINTS:
         return
-    spacing = max(map(point_spacing, distinct))
-    about = ends - ends.mean(axis=1, keepdims=True)
-    sizes = np.sqrt((about**2).sum(axis=2).mean(axis=1))  # (2,) root mean square sizes
-    if sizes.min() < MIN_SIZE * spacing:
-        return
-    threshold = max(TORN_DISTANCE * spacing, TORN_SIZE * sizes[1])
+    spacing, size = max(map(point_spacing, distinct)), float(np.sqrt(ends[1].var(axis=0).sum()))
+    threshold = max(TORN_DISTANCE * spacing, TORN_SIZE * size)
     yield "{} tears", torn_share(ends, spacing, threshold) / MAX_TORN_SHARE
     if len(attachments) == 2:
         order = order_correlation(ends, attachments)
@@ -99,8 +94,7 @@ def order_correlation(ends: Points, attachments: Sequence[Points]) -> float:
     ranks = []
     for points, contact in zip(ends, attachments, strict=True):
         seeds = np.unique(KDTree(points).query(contact)[1])
-        graph = connected_knn_graph(points, GRAPH_NEIGHBORS)
+        distances = geodesic_distances(connected_knn_graph(points, GRAPH_NEIGHBORS), seeds)
         # Equivalent to scipy.stats.spearmanr, whose import takes a second.
-        distances = geodesic_distances(graph, seeds)
         ranks.append(np.argsort(np.argsort(distances, kind="stable")))
     return float(np.asarray(np.corrcoef(ranks))[0, 1])

@@ -55,7 +55,7 @@ def output(tmp_path) -> Path:
 
 def limited(limit: str, *arguments: object) -> subprocess.CompletedProcess:
     """`bake` in a process that has limited itself."""
-    code = LIMITED.format(limit=limit, modules="baker.report, traits.plants, traits.table")
+    code = LIMITED.format(limit=limit, modules="baker.report.page, traits.plants, traits.table")
     words = [*map(str, arguments), "-q", "--align", "none", "--force"]
     # Its limits hold for what Python keeps of modules, too: that would be cut short for good.
     environment = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1"}

@@ -118,7 +118,7 @@ def test_the_unit_of_the_scans_does_not_matter(labels, options, tmp_path):
 def test_a_plant_of_one_point_is_verified_reported_and_measured(tmp_path):
     from baker import Options
     from baker.pipeline import bake_recorded
-    from baker.report import write_report
+    from baker.report.page import write_report
     from baker.report.verification import verify
     from traits.plants import write_traits
 

@@ -10,9 +10,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from baker import Options, bake
-from baker.verdict.doubt import doubts_in
 from gclip import Clip
 from tests.real.series import labelled, present
+from traits.doubts import doubts_of
 
 
 def test_the_example_is_what_its_verdict_says(example: Clip) -> None:
@@ -27,7 +27,7 @@ if present("maize_control_plant1"):  # no other series is known to turn a leaf r
         """The paper's choices exchange the base and the tip of the lowest leaf from day 7 to 8."""
         scans = sorted(series("maize_control_plant1").glob("*.txt"))[7:9]
         clip = bake(scans, Options(align="none", paper=True, workers=2))
-        found = [doubt.what for doubt in doubts_in(clip) if doubt.start == 7.0]
+        found = [doubt.what for doubt in doubts_of(clip) if doubt.start == 7.0]
         assert found == ["the tip and the base of leaf 1 change places"]
 
 
@@ -36,7 +36,7 @@ def test_no_organ_becomes_another_in_silence(series: Callable[[str], Path], name
     folder = series(name)
     clip = bake([folder], Options(align="none", labels="ignore", workers=2))
     scans = [np.loadtxt(path) for path in sorted(folder.glob("day*.txt"))]
-    doubtful = {doubt.start for doubt in doubts_in(clip)}
+    doubtful = {doubt.start for doubt in doubts_of(clip)}
     for k, interval in enumerate(clip.intervals):
         matched = [pair.track for pair in interval.segments if pair.event == "match"]
         ends = [clip.at(interval.start), clip.at(np.nextafter(interval.end, interval.start))]

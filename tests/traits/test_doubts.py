@@ -17,7 +17,7 @@ from traits.table import Namer
 
 
 def test_motion_matters_between_its_scans_and_identity_from_the_first_one_on():
-    motion, identity = (Doubt(1.0, 2.0, 0, "", which) for which in (False, True))
+    motion, identity = (Doubt(1.0, 2.0, 0, "", 1.0, which) for which in (False, True))
     times = (0.5, 1.0, 1.5, 2.0, 3.0)
     assert [motion.concerns(t) for t in times] == [False, False, True, False, False]
     assert [identity.concerns(t) for t in times] == [False, False, True, True, True]

@@ -12,10 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from baker.batch.outputs import Outputs
 from baker.batch.plant import PlantJob, bake_plant
 from baker.cli import main
-from baker.options import Options
+from baker.options import Options, Outputs
 from grow.cli import main as grow
 from tests.baker.batch.conftest import sprout, write_greenhouse
 

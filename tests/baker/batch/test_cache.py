@@ -4,7 +4,6 @@ import os
 import shutil
 import threading
 from dataclasses import replace
-from functools import partial
 from hashlib import sha256
 from pathlib import Path
 
@@ -12,17 +11,18 @@ import msgspec
 import numpy as np
 import pytest
 
-from baker import InputError, Options
+from baker import Options
 from baker.batch.cache import Cache
 from baker.interpolation.interval_job import solve_intervals
 from baker.pipeline import bake_recorded
+from gclip.errors import UserError
 from tests.baker.conftest import write_series
 
 PLAIN = Options(align="none", up="z", workers=1)
 
 
-def bake_with(cache, scans, options=PLAIN, solve=solve_intervals):
-    return bake_recorded([*scans], options, solve=partial(cache.solve, solve))[0]
+def bake_with(cache, scans, options=PLAIN):
+    return bake_recorded([*scans], options, solve=cache.solve_intervals)[0]
 
 
 @pytest.fixture(scope="module")
@@ -156,13 +156,15 @@ def test_forged_entries_are_solved_again(scans, kept, baked, tmp_path, forgeries
     assert (tmp_path / "cached.gclip").read_bytes() == clip
 
 
-def test_a_bake_that_is_stopped_goes_on_where_it_was(scans, baked, tmp_path):
-    def two_intervals(jobs, report_progress):
-        yield from solve_intervals(jobs[:2], report_progress)
+def test_a_bake_that_is_stopped_goes_on_where_it_was(scans, baked, tmp_path, monkeypatch):
+    def two_intervals(jobs, report_progress, workers):
+        yield from solve_intervals(jobs[:2], report_progress, workers)
         raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
-        bake_with(Cache(tmp_path / "cache"), scans, solve=two_intervals)
+    with monkeypatch.context() as stopped:
+        stopped.setattr("baker.batch.cache.solve_intervals", two_intervals)
+        with pytest.raises(KeyboardInterrupt):
+            bake_with(Cache(tmp_path / "cache"), scans)
     assert baked(scans) == (2, 2)
 
 
@@ -193,7 +195,7 @@ def test_a_cache_that_takes_nothing_does_not_stop_the_bake(scans, tmp_path):
 
 def test_a_file_is_no_cache(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="file can't be a cache"):
+    with pytest.raises(UserError, match="file can't be written: File exists"):
         Cache(tmp_path / "file")
 
 

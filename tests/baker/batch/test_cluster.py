@@ -9,18 +9,18 @@ import sys
 import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
-from baker.batch import cluster as cluster_module
-from baker.batch.cluster import Checked
-from baker.batch.outputs import Outputs
-from baker.batch.parallel import WorkerDied
+from baker.batch import workers
+from baker.batch.bake_all import bake_plants
 from baker.batch.plant import PlantJob, bake_plant
 from baker.cli import main
 from baker.errors import InputError
-from baker.options import Options
+from baker.options import Options, Outputs
 from tests.baker.batch.conftest import write_greenhouse
 
 distributed = pytest.importorskip("distributed")
@@ -93,12 +93,6 @@ def files(folder: Path) -> dict[str, bytes]:
     }
 
 
-def task_kinds(cluster: Cluster) -> set[str]:
-    """What the scheduler has ever had as tasks."""
-    with distributed.Client(cluster.address, set_as_default=False) as client:
-        return client.run_on_scheduler(lambda dask_scheduler: set(dask_scheduler.task_prefixes))
-
-
 def test_nobody_can_reach_a_command_that_uses_a_cluster(cluster, house, tmp_path, monkeypatch):
     """Neither a scheduler nor a page about it is started: nothing here waits for connections."""
     listening = []
@@ -107,20 +101,19 @@ def test_nobody_can_reach_a_command_that_uses_a_cluster(cluster, house, tmp_path
     assert not listening
 
 
-def test_one_plant_shares_out_its_intervals(cluster, house, clips, tmp_path):
-    assert not any("solve_interval" in kind for kind in task_kinds(cluster))
-    out = tmp_path / "plant.gclip"
-    assert bake(house / "p04", str(out), cluster.address, "-q") == 0
-    assert out.read_bytes() == clips["p04.gclip"]
-    assert any("solve_interval" in kind for kind in task_kinds(cluster))
+def test_one_plant_alone_is_not_for_a_cluster(house, tmp_path, capsys):
+    assert bake(house / "p04", str(tmp_path / "plant.gclip"), "127.0.0.1:1") == 2
+    assert "--cluster is for many plants" in capsys.readouterr().err
 
 
-def test_a_worker_of_another_version_is_told(cluster):
-    ours = cluster_module.versions() | {"numpy": "0.9"}
-    with distributed.Client(cluster.address, set_as_default=False) as client:
-        task = client.submit(Checked(str, ours), 1)
-        with pytest.raises(InputError, match=r"tcp://127\.0\.0\.1:.*here it is 0\.9"):
-            task.result()
+def test_a_worker_of_another_version_is_told(cluster, house, tmp_path, monkeypatch, capsys):
+    packages = workers.software()["packages"] | {"numpy": "0.9"}
+    ours = {**workers.software(), "packages": packages}
+    monkeypatch.setattr(workers, "software", lambda: ours)
+    assert bake(house, f"{tmp_path}/", cluster.address) == 2
+    said = capsys.readouterr().err
+    assert "The cluster's worker tcp://127.0.0.1:" in said
+    assert "but here it is numpy 0.9; install" in said
 
 
 def test_ctrl_c_stops_the_cluster_too(cluster, house, tmp_path):
@@ -176,14 +169,39 @@ def test_without_dask_it_is_told_how_to_install_it(house, tmp_path, capsys, monk
     assert 'pip install "plant-growth-clips[cluster]"' in capsys.readouterr().err
 
 
+def submit_failing(error: Exception, bake: object, job: PlantJob) -> concurrent.futures.Future:
+    task: concurrent.futures.Future = concurrent.futures.Future()
+    task.set_exception(error)
+    return task
+
+
+def test_a_plant_that_kills_worker_after_worker_fails_alone(tmp_path):
+    job = PlantJob("p", tmp_path, Options(), Outputs(tmp_path / "p.gclip"))
+    killed = distributed.KilledWorker("task", SimpleNamespace(address="tcp://w:1"), 3)
+    (outcome,) = bake_plants(partial(submit_failing, killed), [job])
+    assert (outcome.state, outcome.code) == ("failed", 1)
+    assert "4 different workers" in outcome.error
+    assert "try fewer points" in outcome.error
+
+
+def test_a_scheduler_that_goes_is_told(tmp_path):
+    job = PlantJob("p", tmp_path, Options(), Outputs(tmp_path / "p.gclip"))
+    gone = concurrent.futures.CancelledError()
+    with pytest.raises(InputError, match="The cluster's scheduler is gone"):
+        list(bake_plants(partial(submit_failing, gone), [job]))
+
+
 @pytest.mark.parametrize(
-    ("error", "kind", "words"),
+    "error",
     [
-        (distributed.KilledWorker("task", None, 3), WorkerDied, "killed 4 times"),
-        (concurrent.futures.CancelledError(), InputError, "the cluster's scheduler is gone"),
-        (ModuleNotFoundError("No module named 'baker'"), InputError, "lacks the program"),
+        ModuleNotFoundError("No module named 'baker'"),
+        RuntimeError("Error during deserialization of the task graph. This frequently occurs"),
     ],
 )
-def test_what_ends_a_task_is_told_in_a_sentence(error, kind, words):
-    with pytest.raises(kind, match=f"(?i){words}"), cluster_module.task_errors():
-        raise error
+def test_a_cluster_without_the_program_is_told(error):
+    class Client:
+        def submit(self, function, pure):
+            raise error
+
+    with pytest.raises(InputError, match=r"lacks the program \([\w' ]+\); install it"):
+        workers.require_same_versions(Client())

@@ -6,7 +6,7 @@ import re
 import pytest
 
 from baker.batch import plant
-from baker.batch.outputs import check_output
+from baker.batch.command import check_output
 from baker.cli import main
 from gclip.errors import UserError
 
@@ -73,4 +73,4 @@ def test_a_cache_that_links_to_itself_is_said(write_scans, tmp_path, capsys):
     loop.symlink_to(loop)
     words = [write_scans(), "-o", tmp_path / "p.gclip", "--cache", loop, "-q"]
     assert main([str(word) for word in words]) == 2
-    assert capsys.readouterr().err == f"bake: {loop} can't be a cache: File exists.\n"
+    assert capsys.readouterr().err == f"bake: {loop} can't be written: File exists.\n"

@@ -16,10 +16,10 @@ from pathlib import Path
 import pytest
 
 from baker.batch.bake_all import bake_plants
-from baker.batch.outputs import Outputs
-from baker.batch.parallel import WorkerDied, process_pool
 from baker.batch.plant import Outcome, PlantJob
-from baker.options import Options
+from baker.batch.workers import process_pool
+from baker.options import Options, Outputs
+from baker.scans.child_process import ChildEnded
 from tests.baker.batch.conftest import write_greenhouse
 
 
@@ -73,7 +73,7 @@ def test_a_task_that_kills_its_process_fails_alone() -> None:
     with process_pool(2) as submit:
         doomed, other = submit(die), submit(square, 3)
         assert other.result() == 9
-        with pytest.raises(WorkerDied):
+        with pytest.raises(ChildEnded):
             doomed.result()
         assert submit(square, 4).result() == 16
 
@@ -81,7 +81,7 @@ def test_a_task_that_kills_its_process_fails_alone() -> None:
 def test_a_killed_plant_is_baked_once_more(tmp_path: Path) -> None:
     jobs = [_job(tmp_path, f"p{k}") for k in range(3)]
     with process_pool(2) as submit:
-        found = bake_plants(submit, jobs, 1, bake=_bake_or_die_once)
+        found = bake_plants(submit, jobs, bake=_bake_or_die_once)
         states = {outcome.name: outcome.state for outcome in found}
     assert states == dict.fromkeys(("p0", "p1", "p2"), "baked")
 
@@ -100,7 +100,7 @@ def _bake_or_die_once(job: PlantJob) -> Outcome:
 def test_a_plant_that_kills_its_process_is_the_programs_fault(tmp_path) -> None:
     jobs = [_job(tmp_path, f"p{k}") for k in range(3)]
     with process_pool(1) as submit:
-        found = bake_plants(submit, jobs, 1, bake=_bake_or_die)
+        found = bake_plants(submit, jobs, bake=_bake_or_die)
         codes = {outcome.name: outcome.code for outcome in found}
     assert codes == {"p0": 0, "p1": 1, "p2": 0}
 
@@ -112,7 +112,7 @@ def _bake_or_die(job: PlantJob) -> Outcome:
 
 
 def test_a_task_that_is_ended_takes_its_process_with_it() -> None:
-    with pytest.raises(WorkerDied), process_pool(1) as submit:
+    with pytest.raises(ChildEnded), process_pool(1) as submit:
         submit(sys.exit, 3).result()
 
 
@@ -129,7 +129,7 @@ def test_leaving_early_ends_tasks_by_an_exception(tmp_path: Path) -> None:
 def test_no_worker_outlives_the_command(tmp_path: Path) -> None:
     code = (
         "from pathlib import Path\n"
-        "from baker.batch.parallel import process_pool\n"
+        "from baker.batch.workers import process_pool\n"
         "from tests.baker.batch.test_parallel import leave_marker\n"
         "with process_pool(2) as submit:\n"
         f"    tasks = [submit(leave_marker, Path({str(tmp_path)!r})) for _ in range(2)]\n"
@@ -146,7 +146,7 @@ def test_no_worker_outlives_the_command(tmp_path: Path) -> None:
 def test_warnings_of_workers_on_a_terminal_hang_nobody() -> None:
     """While bars are drawn as fast as they can be, their locks are held nearly always."""
     code = (
-        "from baker.batch.parallel import process_pool\n"
+        "from baker.batch.workers import process_pool\n"
         "from gclip.terminal.progress import StageProgress\n"
         "from tests.baker.batch.test_parallel import warn\n"
         "bars = StageProgress()\n"
@@ -190,11 +190,12 @@ def test_plants_have_the_same_bytes_by_any_number_of_workers(tmp_path: Path) -> 
     for workers in (1, 2, 5):
         folder = tmp_path / str(workers)
         folder.mkdir()
-        options, names = Options(align="none", up="z"), ("a", "b")
+        options = Options(align="none", up="z", workers=max(workers // 2, 1))
+        names = ("a", "b")
         outputs = [Outputs(folder / f"{name}.gclip") for name in names]
         jobs = [PlantJob(n, house / n, options, o) for n, o in zip(names, outputs, strict=True)]
         with process_pool(min(workers, 2)) as submit:
-            outcomes = list(bake_plants(submit, jobs, cores=max(workers // 2, 1)))
+            outcomes = list(bake_plants(submit, jobs))
         assert {outcome.state for outcome in outcomes} == {"baked"}
         found.append({path.name: path.read_bytes() for path in folder.iterdir()})
     assert found[0] == found[1] == found[2]

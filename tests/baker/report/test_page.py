@@ -13,13 +13,13 @@ import numpy as np
 import pytest
 
 from baker.cli import main
-from baker.report import write_report
-from baker.report.page import largest_organs, ticks
+from baker.report.page import largest_organs, ticks, write_report
 from baker.report.verification import verify
-from baker.verdict import Doubt, verdict_provenance
+from baker.verdict.doubt import verdict_provenance
 from gclip import Clip, ClipError
 from gclip.errors import UserError
 from traits.curves import TraitCurve, trait_curves
+from traits.doubts import Doubt
 
 SECTIONS = ["verdict", "decisions", "plant", "growth", "verification", "made"]  # in this order
 

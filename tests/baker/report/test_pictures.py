@@ -11,7 +11,7 @@ import pytest
 from PIL import Image
 
 from baker.report.pictures import NEUTRAL_COLOR, NoPicture, Pictures, scans_pictured, take_pictures
-from baker.verdict import Doubt
+from traits.doubts import Doubt
 
 
 def pixels(picture: str) -> np.ndarray:

@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 
 from baker.report.summary import summary_lines, verdict_line
-from baker.verdict import Doubt, verdict_provenance
+from baker.verdict.doubt import verdict_provenance
 from gclip import Clip
+from traits.doubts import Doubt
 
 
 @pytest.fixture

@@ -10,9 +10,9 @@ import pytest
 
 from baker import Options
 from baker.pipeline import bake_recorded
-from baker.verdict import Doubt, verdict_provenance
-from baker.verdict.doubt import command_for, describe_verdict, doubts_in
+from baker.verdict.doubt import command_for, describe_verdict, verdict_provenance
 from gclip import Clip
+from traits.doubts import Doubt, doubts_of
 
 
 @pytest.fixture
@@ -62,5 +62,5 @@ def test_the_clips_provenance_holds_the_verdict(clip, tmp_path):
     verdict = json.loads(json.dumps(verdict_provenance(clip, doubts)))
     judged = replace(clip, provenance={**clip.provenance, "verdict": verdict})
     judged.save(tmp_path / "x.gclip")
-    assert doubts_in(gclip.open(tmp_path / "x.gclip")) == doubts
+    assert list(doubts_of(gclip.open(tmp_path / "x.gclip"))) == doubts
     assert verdict["line"] == describe_verdict(clip, doubts)

@@ -7,7 +7,7 @@ import pytest
 
 from baker import Options
 from baker.pipeline import bake_recorded
-from baker.verdict.doubt import doubts_in
+from traits.doubts import doubts_of
 
 
 def leaf(azimuth: float, length: float, height: float, label: int) -> np.ndarray:
@@ -30,7 +30,7 @@ def series(tmp_path):
             np.savetxt(tmp_path / f"day{day}.txt", np.concatenate(rows), fmt="%.4f")
         options = Options(align="none", up="z", labels="independent", workers=1)
         clip, _ = bake_recorded([tmp_path], options)
-        return [(doubt.start, doubt.what, doubt.identity) for doubt in doubts_in(clip)]
+        return [(doubt.start, doubt.what, doubt.identity) for doubt in doubts_of(clip)]
 
     return doubts
 
