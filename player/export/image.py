@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
-from player.atomic_write import free_name, is_numbered, numbered
+from player.output_names import free_name, is_numbered, numbered
 from player.export.film import Film, Progress
 
 JPEG_SUFFIXES = (".jpg", ".jpeg")

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip, Group, Motion
 from gclip.evaluate import Layer, evaluate_layer, srgb_to_linear
-from player.atomic_write import failure
+from player.output_names import failure
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.export.gltf import METERS

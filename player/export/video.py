@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.atomic_write import failure
+from player.output_names import failure
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 
