@@ -5,13 +5,13 @@ Control characters in its texts are replaced.
 
 import hashlib
 import json
-import math
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Annotated, Any
 
-from msgspec import Meta, Struct, ValidationError, convert, to_builtins
+import msgspec
+from msgspec import DecodeError, Meta, Struct, ValidationError
 
 from gclip.errors import ClipError
 from gclip.schema import Document
@@ -19,6 +19,7 @@ from gclip.text import printable
 
 MAJOR, MINOR = 1, 2  # of the format's version
 SPARE_MEMORY = 64 << 20  # bytes that the values may occupy beyond twice the size of the file
+MAX_DEPTH = 32  # of nested objects and lists
 DOCUMENT, BLANK = "document", "0" * 64  # the document's checksum is taken with this in its place
 
 
@@ -37,22 +38,22 @@ def read_document(text: str, file_size: int) -> Document:
     if footprint(text) > SPARE_MEMORY + 2 * file_size:
         raise ClipError("its document holds far more values than a file of its size needs")
     try:
-        content = json.loads(text, object_pairs_hook=_object)
-        major = convert(content, Versioned).version.split(".")[0]
+        major = msgspec.json.decode(text, type=Versioned).version.split(".")[0]
         if int(major) > MAJOR:
             raise ClipError(
                 f"it was written in clip format {major[:20]}; this program reads up to "
                 f"{MAJOR}.{MINOR}, so a newer version of it is needed"
             )
-        with suppress(TypeError):  # `convert` says what is wrong with the tracks
-            for index, track in enumerate(content.get("tracks", ())):
+        content = _cleaned(msgspec.json.decode(text))
+        with suppress(LookupError, TypeError):  # `convert` says what is wrong with the tracks
+            for index, track in enumerate(content["tracks"]):
                 track["id"] = index
-        return convert(content, Document)
+        return msgspec.convert(content, Document)
     except ValidationError as error:  # in the form "reason - at `$.field`"
         reason, _, field = str(error).partition(" - at `$")
         location = f", at {field.strip('.`')}" if field else ""
         sentence = f"its document{location}: {reason[:1].lower()}{reason[1:]}"
-    except (ValueError, RecursionError) as error:
+    except (DecodeError, RecursionError) as error:
         sentence = f"its document is not valid JSON: {error}"
     raise ClipError(printable(sentence, 300))
 
@@ -64,23 +65,20 @@ def footprint(text: str) -> int:
     measured, including those of the data model.
     """
     costs = {"{": 300, "[": 80, ",": 88, ":": 210}
-    return 2 * sys.getsizeof(text) + sum(text.count(c) * cost for c, cost in costs.items())
+    return 3 * sys.getsizeof(text) + sum(text.count(c) * cost for c, cost in costs.items())
 
 
-def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    cleaned = {printable(name): _clean(value) for name, value in pairs}
-    if len(cleaned) < len(pairs):
-        raise ClipError("its document says the same field twice")
-    return cleaned
-
-
-def _clean(value: Any) -> Any:
-    """Replace control characters in texts and lists; objects were cleaned by `_object`."""
+def _cleaned(value: Any, levels: int = MAX_DEPTH) -> Any:
+    """A JSON value, nested at most `levels` deep, with control characters replaced."""
     if isinstance(value, str):
         return printable(value)
-    if isinstance(value, float) and not math.isfinite(value):
-        raise ClipError(f"its document holds {value}; finite numbers are needed")
-    return [_clean(item) for item in value] if isinstance(value, list) else value
+    if not isinstance(value, dict | list):
+        return value
+    if not levels:
+        raise ClipError(f"its document is nested more than {MAX_DEPTH} levels deep")
+    if isinstance(value, dict):
+        return {printable(name): _cleaned(each, levels - 1) for name, each in value.items()}
+    return [_cleaned(each, levels - 1) for each in value]
 
 
 def write_document(content: Mapping[str, Any], buffers: Mapping[str, Any]) -> str:
@@ -89,7 +87,7 @@ def write_document(content: Mapping[str, Any], buffers: Mapping[str, Any]) -> st
     buffers: arrays in C order by name; their checksums, the document's own and the version are
     added.
     """
-    fields = to_builtins(content, enc_hook=lambda number: number.item())  # NumPy scalars
+    fields = msgspec.to_builtins(content, enc_hook=lambda number: number.item())  # NumPy scalars
     fields["version"] = f"{MAJOR}.{MINOR}"
     fields["sha256"] = {name: checksum(b) for name, b in buffers.items()} | {DOCUMENT: BLANK}
     fields["sha256"][DOCUMENT] = checksum(_dump(fields).encode())

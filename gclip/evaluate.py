@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.file import check_not_truncated
 from gclip.schema import Group, Interval, Motion
 
 if TYPE_CHECKING:
@@ -139,13 +138,7 @@ def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> N
     -------
     (n, 3) float32
         Positions relative to the clip's origin, in its unit.
-
-    Raises
-    ------
-    ClipError
-        If the file of the clip was truncated after it was opened.
     """
-    check_not_truncated(interval.tracks)
     weights = bernstein(interval.degree, parameter)
     blended = np.zeros((len(interval.tracks[movers]), 3), np.float64)
     for weight, points in zip(weights, interval.curve, strict=True):

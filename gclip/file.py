@@ -4,7 +4,6 @@ No code from the file is executed; buffers are views of the memory-mapped file.
 """
 
 import math
-import mmap
 import os
 import stat
 from dataclasses import dataclass, replace
@@ -54,25 +53,6 @@ class Container:
         return points
 
 
-class Mapped(mmap.mmap):
-    """A memory-mapped file with its name."""
-
-    name: str
-
-
-def check_not_truncated(buffer: NDArray[Any]) -> None:
-    """Raise ClipError if the file that a buffer is mapped from was truncated after it was opened.
-
-    Call it before reading a buffer: an access beyond the end of the file ends the process (SIGBUS).
-    """
-    base: Any = buffer
-    while isinstance(base, np.ndarray):
-        base = base.base
-    mapped = getattr(base, "obj", base)
-    if isinstance(mapped, Mapped) and mapped.size() < len(mapped):
-        raise ClipError(f"{mapped.name}: it was cut short while it was open.")
-
-
 def open_container(path: Path) -> Container:
     """Map a file. Raises ClipError, without the file's name, if it is not a complete container.
 
@@ -85,11 +65,8 @@ def open_container(path: Path) -> Container:
         before = os.stat(path)
         if not stat.S_ISREG(before.st_mode):
             raise ClipError("not a growth clip, not even a file")
-        with open(path, "rb") as file:
-            first = 8 + int.from_bytes(file.read(8), "little")  # byte of the first buffer
-            mapped = Mapped(file.fileno(), 0, access=mmap.ACCESS_READ)
-        mapped.name = os.fspath(path)
-        data = np.frombuffer(mapped, np.uint8)
+        data = np.asarray(np.memmap(path, np.uint8, "r"))
+        first = 8 + int.from_bytes(data[:8].tobytes(), "little")  # byte of the first buffer
         with safe_open(path, framework="numpy") as header:
             text = (header.metadata() or {}).get(KEY)
             if text is None:

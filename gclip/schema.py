@@ -17,7 +17,6 @@ from gclip.morton import extent
 
 MAX_NUMBER = 1e18  # its square is finite in float32, the precision of a GPU
 MIN_DURATION = 1e-9  # of an interval
-MAX_DEPTH = 32  # of nested objects and lists in `provenance`
 
 CURVES = {
     1: ("start", "end"),
@@ -205,16 +204,8 @@ class Document(ClipHeader):
             _require(is_valid, f"tracks[{index}].parent is {track.parent}, no other track's id")
         used = max((p.track for i in self.intervals for p in i.segments), default=0)
         _require(used < count, f"a segment's track is {used}; only {count} tracks are named")
-        is_shallow = _depth(self.provenance) <= MAX_DEPTH
-        _require(is_shallow, f"provenance is nested more than {MAX_DEPTH} levels deep")
 
 
 def _require(condition: bool, message: str) -> None:
     if not condition:
         raise ValueError(message)
-
-
-def _depth(value: Any) -> int:
-    """The depth of nested objects and lists; 0 for other values."""
-    inner = value.values() if isinstance(value, dict) else value
-    return 1 + max(map(_depth, inner), default=0) if isinstance(value, dict | list) else 0

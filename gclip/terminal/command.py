@@ -62,19 +62,15 @@ def verdict(error: Exception) -> tuple[int, str]:
         return BAD_INPUT, str(error)
     if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
         return BAD_INPUT, "out of memory; try fewer points, for example with `bake --voxel SIZE`."
-    if isinstance(error, OSError) and error.filename is not None:
-        name = printable(os.fsdecode(error.filename), 200)
-        return BAD_INPUT, f"{name}: {error.strerror or error}."
-    if isinstance(error, OSError) and error.errno in LIMITS:
-        return BAD_INPUT, f"{error.strerror or error}."
+    if isinstance(error, OSError) and (error.filename is not None or error.errno in LIMITS):
+        name = f"{printable(os.fsdecode(error.filename), 200)}: " if error.filename else ""
+        return BAD_INPUT, f"{name}{error.strerror or error}."
     if isinstance(error, FileNotFoundError):  # without a file's name: from os.getcwd()
         return BAD_INPUT, "the folder that the command was started in is gone."
+    # A library of the system is missing, or a wrong environment variable was read by an import.
     reason = str(error).rstrip(".")
-    if isinstance(error, (ImportError, OSError)) and "shared object" in reason:  # from ld.so
-        return BAD_INPUT, f"a library of the system can't be loaded: {reason}."
-    # A module that is being imported read a wrong environment variable.
     codes = (frame.f_code.co_name for frame, _ in walk_tb(error.__traceback__))
-    if isinstance(error, ValueError) and "<module>" in codes:
+    if "shared object" in reason or (isinstance(error, ValueError) and "<module>" in codes):
         return BAD_INPUT, f"a library can't be loaded in this environment: {reason}."
     fault = f"internal error ({type(error).__name__}: {error}); this is a fault of the program"
     return OUR_FAULT, f"{fault}, please report it (set GCLIP_TRACEBACK=1 to see where)."
@@ -124,9 +120,9 @@ def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
     """Run a typer app with `argv` (by default that of the process); returns the exit code."""
 
     def work() -> int | None:
-        parser = get_command(app)
+        parser, words = get_command(app), sys.argv[1:] if argv is None else [*argv]
         try:
-            with parser.make_context(command, sys.argv[1:] if argv is None else [*argv]) as context:
+            with parser.make_context(command, words) as context:
                 return parser.invoke(context)
         except Exit as error:
             return error.exit_code

@@ -8,12 +8,12 @@ from typing import Any
 
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file, check_output
-from player.output_names import check_sequence, is_numbered
 from player.errors import PlayerError
 from player.export import gltf, image, ply, table, usd, video
 from player.export.annotations import check as check_annotations
 from player.export.film import Film, Progress
 from player.export.web import page
+from player.output_names import check_sequence, is_numbered
 from player.view.annotations import Annotations
 from player.view.colors import Colors
 from player.view.style import Style

@@ -148,6 +148,7 @@ def outcome(seed: int, case: int, folder: Path, uses: dict[str, Callable]) -> st
 
     random = Random(f"{seed}-{case}")
     path = folder / "case.gclip"
+    path.unlink(missing_ok=True)  # an earlier clip, still mapped, keeps its file
     path.write_bytes(hostile(random))
     name = "open"
     try:

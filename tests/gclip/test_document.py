@@ -26,16 +26,18 @@ def test_a_document_is_measured_before_it_is_read() -> None:
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ('{"a":1,"a":1}', "the same field twice"),
-        ('{"a":NaN}', "holds nan"),
-        ('{"a":-Infinity}', "holds -inf"),
-        ('{"a":1e999}', "holds -?inf"),
-        ('{"a":[[-1e999]]}', "holds -?inf"),
-        ('{"a":' + "9" * 5000 + "}", "not valid JSON: .* 5000 digits"),
-        ("[" * 100_000, "not valid JSON: .*recursion"),
+        ('{"version":"1.0","a":NaN}', "not valid JSON: .*invalid character"),
+        ('{"version":"1.0","a":-Infinity}', "not valid JSON: .*invalid character"),
+        ('{"version":"1.0","a":1e999}', "number out of range"),
+        ('{"version":"1.0","a":[[-1e999]]}', "number out of range"),
+        ('{"version":"1.0","a":' + "9" * 5000 + "}", "integer value out of range"),
+        ('{"version":"1.0","a":"\\ud800"}', "not valid JSON: "),
+        ('{"version":"1.0","a":' + "[" * 33, "not valid JSON: .*truncated"),
+        ('{"version":"1.0","a":' + "[" * 100_000, "not valid JSON: .*recursion"),
         ('{"a":' * 100_000, "not valid JSON: .*recursion"),
-        ("[1,", "not valid JSON: Expecting value: line 1 column 4"),
-        ("", "not valid JSON: Expecting value: line 1 column 1"),
+        ('{"version":', "not valid JSON: Input data was truncated"),
+        ("", "not valid JSON: Input data was truncated"),
+        ("[]", "its document: expected `object`, got `array`"),
         ("7", "its document: expected `object`, got `int`"),
         ("null", "its document: expected `object`, got `null`"),
         ("{}", "its document: object missing required field `version`"),
@@ -47,7 +49,7 @@ def test_what_is_no_document_is_named(text: str, words: str) -> None:
 
 
 def test_text_gives_no_orders() -> None:
-    for text in INJECTIONS:
+    for text in set(INJECTIONS) - {"\ud800"}:  # a lone surrogate is not valid JSON
         document = json.loads(good_clips()[0][0])
         document["unit"] = text[:1000]
         document["provenance"] = {text: [text, {"a": [[text]]}]}

@@ -103,6 +103,17 @@ def test_a_failed_save_keeps_the_old_clip(make_clip, tmp_path, monkeypatch):
     assert len(list(tmp_path.iterdir())) == 1
 
 
+def test_replacing_the_file_leaves_an_open_clip_whole(make_clip, tmp_path):
+    path = tmp_path / "c.gclip"
+    make_clip().save(path)
+    clip = gclip.open(path)
+    before = clip.at(1.0).positions
+    make_clip(degree=3).save(path)
+    assert np.array_equal(clip.at(1.0).positions, before)
+    path.unlink()
+    assert np.array_equal(clip.at(1.0).positions, before)
+
+
 def test_missing_folder_is_a_sentence(make_clip, tmp_path):
     with pytest.raises(gclip.UserError, match="No such file or directory"):
         make_clip().save(tmp_path / "nowhere" / "c.gclip")
@@ -159,7 +170,7 @@ LIES = {
     "up": (lie("up", "w"), "up"),
     "one scan": (lie("scans", []), "length >= 2"),
     "times descend": (lie("time", 9.0, "scans", 0), "ascend"),
-    "time is infinite": (lie("time", 1e999, "scans", 0), "holds inf"),
+    "time is infinite": (lie("time", 1e999, "scans", 0), "not valid JSON"),
     "no tracks": (lie("tracks", []), "at tracks: .* length >= 1"),
     "color": (lie("color", [0, 0, 256], "tracks", 0), "<= 255"),
     "parent": (lie("parent", 7, "tracks", 1), "parent"),
@@ -168,13 +179,13 @@ LIES = {
     "interval backwards": (lie("end", -1.0, "intervals", 0), "it must end"),
     "intervals with a gap": (lie("start", 2.5, "intervals", 1), "gap"),
     "box upside down": (lie("low", [999, 0, 0], "intervals", 0, "box"), "low corner"),
-    "box not finite": (lie("low", [float("nan"), 0, 0], "intervals", 0, "box"), "holds nan"),
+    "box not finite": (lie("low", [float("nan"), 0, 0], "intervals", 0, "box"), "not valid JSON"),
     "box missing": (lie("box", None, "intervals", 0), "float32"),
     "groups overlap": (lie("first", 3, "intervals", 1, "groups", 1), "do not cover"),
     "huge count": (lie("count", 2**40, "intervals", 0, "groups", 0), "needs"),
     "motion": (lie("motion", "dance", "intervals", 0, "groups", 0), "motion"),
     "not JSON": (lambda d, b: "{", "JSON"),
-    "deep JSON": (lambda d, b: "[" * 100_000, "JSON"),
+    "deep JSON": (lambda d, b: '{"version":' + "[" * 100_000, "expected `str`, got `array`"),
     "JSON list": (lambda d, b: "[]", "expected `object`, got `array`"),
     "missing buffer": (drop("0001/track"), "missing"),
     "buffer nobody names": (put("0009/start", np.zeros((3, 3), np.uint16)), "nothing names"),

@@ -185,13 +185,13 @@ def test_a_newer_version_is_told_whatever_else_it_says() -> None:
         read({"version": "2.0", "scans": 7})
 
 
-def test_provenance_is_of_bounded_depth() -> None:
+def test_documents_are_of_bounded_depth() -> None:
     def nested(levels: int) -> dict:
         value: object = 1
         for _ in range(levels):
             value = [value]
         return changed((), "provenance", {"deep": value})
 
-    assert read(nested(31)).provenance
-    with pytest.raises(gclip.ClipError, match="provenance is nested more than 32 levels deep"):
-        read(nested(32))
+    assert read(nested(30)).provenance
+    with pytest.raises(gclip.ClipError, match="its document is nested more than 32 levels deep"):
+        read(nested(31))

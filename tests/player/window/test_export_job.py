@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from player.output_names import free_name
 from player.export.film import Film
+from player.output_names import free_name
 from player.window.export_job import Exports
 from tests.player.conftest import ClipMaker
 from tests.player.desk import scene_of
