@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import dataclass, fields
 from importlib import import_module
 from pathlib import Path
@@ -18,12 +17,10 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.corrections import corrections_file, read_corrections
 from gclip.document import read_document, write_document
-from gclip.errors import ClipError, UserError
+from gclip.errors import ClipError
 from gclip.evaluate import Frame, frame_at
 from gclip.file import KEY, Container, open_container, read_interval
-from gclip.places import rename_organs
 from gclip.schema import ClipHeader, Document, Interval, ScanMark, Track
 from gclip.terminal.atomic import atomic_file
 
@@ -203,9 +200,7 @@ class Clip(ClipHeader):
 def open(path: str | os.PathLike[str]) -> Clip:
     """Open a clip, memory-mapped, and check it.
 
-    Checksums are not verified, since that would read the whole file (see `gclip.check`). Organs are
-    renamed as the file of corrections next to the clip says; errors in that file are ignored here,
-    and reported by the window and by the next bake.
+    Checksums are not verified, since that would read the whole file (see `gclip.check`).
 
     Parameters
     ----------
@@ -221,14 +216,6 @@ def open(path: str | os.PathLike[str]) -> Clip:
     ClipError
         If the file can't be read or is damaged; the message is one sentence.
     """
-    clip = open_as_baked(path)
-    with suppress(UserError):
-        return rename_organs(clip, read_corrections(corrections_file(Path(path))))
-    return clip
-
-
-def open_as_baked(path: str | os.PathLike[str]) -> Clip:
-    """Open a clip like `open`, but without the corrected names of organs."""
     try:
         container = open_container(Path(path))
         return clip_in(container, read_document(container.text, container.size))
