@@ -187,11 +187,17 @@ def opened(path: Path) -> Any:
         except gclip.ClipError as error:
             check_sentence(str(error), path)
 
-    within_memory(path, open_)
-    within_memory(path, lambda: found.append(check(path)))
-    if len(found) == 1:
-        if found[0].whole:
+    def check_() -> None:
+        try:
+            check(path)
+        except gclip.ClipError:
+            return
+        if not found:
             raise Failure("check praises what open refuses")
+
+    within_memory(path, open_)
+    within_memory(path, check_)
+    if not found:
         return None
     check_reach(found[0], path)
     return found[0]
