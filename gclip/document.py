@@ -35,7 +35,11 @@ def read_document(text: str, file_size: int) -> Document:
     file_size: in bytes; it limits the memory that the values may occupy. Raises ClipError, which
     names the wrong field, in a sentence without a full stop.
     """
-    if footprint(text) > SPARE_MEMORY + 2 * file_size:
+    # An upper bound of the memory that the values occupy, with those of the data model: it was
+    # measured how many bytes each object, list, entry and name takes at most.
+    values = {"{": 300, "[": 80, ",": 88, ":": 210}
+    memory = 3 * sys.getsizeof(text) + sum(text.count(c) * size for c, size in values.items())
+    if memory > SPARE_MEMORY + 2 * file_size:
         raise ClipError("its document holds far more values than a file of its size needs")
     try:
         major = msgspec.json.decode(text, type=Versioned).version.split(".")[0]
@@ -56,16 +60,6 @@ def read_document(text: str, file_size: int) -> Document:
     except (DecodeError, RecursionError) as error:
         sentence = f"its document is not valid JSON: {error}"
     raise ClipError(printable(sentence, 300))
-
-
-def footprint(text: str) -> int:
-    """An upper bound of the memory, in bytes, that the values of a JSON text occupy.
-
-    Objects, lists, their entries and names are counted by their delimiters; the bytes of each were
-    measured, including those of the data model.
-    """
-    costs = {"{": 300, "[": 80, ",": 88, ":": 210}
-    return 3 * sys.getsizeof(text) + sum(text.count(c) * cost for c, cost in costs.items())
 
 
 def _cleaned(value: Any, levels: int = MAX_DEPTH) -> Any:
@@ -90,15 +84,12 @@ def write_document(content: Mapping[str, Any], buffers: Mapping[str, Any]) -> st
     fields = msgspec.to_builtins(content, enc_hook=lambda number: number.item())  # NumPy scalars
     fields["version"] = f"{MAJOR}.{MINOR}"
     fields["sha256"] = {name: checksum(b) for name, b in buffers.items()} | {DOCUMENT: BLANK}
-    fields["sha256"][DOCUMENT] = checksum(_dump(fields).encode())
-    return _dump(fields)
-
-
-def _dump(fields: dict[str, Any]) -> str:
     text = json.dumps(
         fields, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False
     )
-    return printable(text)  # the name of a file may not be valid UTF-8
+    text = printable(text)  # the name of a file may not be valid UTF-8
+    own = f'"{DOCUMENT}":"{BLANK}"'
+    return text.replace(own, own.replace(BLANK, checksum(text.encode())))
 
 
 def checksum(content: Any) -> str:
