@@ -20,7 +20,6 @@ from gclip.text import printable
 
 KEY = "gclip"
 DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}
-COLORS = {"start_colors", "end_colors"}  # fields of an interval, both or none
 identity = attrgetter("st_dev", "st_ino", "st_size", "st_mtime_ns")  # changes if the file does
 
 
@@ -34,13 +33,11 @@ class Container:
 
     def take(self, name: str, shape: tuple[int, ...], *dtypes: type) -> NDArray[Any]:
         """The buffer of a name. Raises ClipError unless it has this shape and one of the dtypes."""
-        if name not in self.buffers:
-            raise ClipError(f'its buffer "{name}" is missing')
-        buffer = self.buffers[name]
-        if buffer.shape != shape or buffer.dtype.type not in dtypes:
-            found = f"{buffer.dtype.name} {buffer.shape}"
+        buffer = self.buffers.get(name)
+        if buffer is None or buffer.shape != shape or buffer.dtype.type not in dtypes:
+            found = "missing" if buffer is None else f"{buffer.dtype.name} {buffer.shape}"
             needed = f"{' or '.join(np.dtype(dtype).name for dtype in dtypes)} {shape}"
-            raise ClipError(f'its buffer "{name}" is {found}, not {needed} as the document needs')
+            raise ClipError(f'its buffer "{name}" is {found}; the document needs {needed}')
         return buffer
 
     def positions(self, name: str, count: int) -> NDArray[np.float32]:
@@ -120,10 +117,11 @@ def read_interval(container: Container, index: int, entry: Interval, tracks: int
     if (largest := int(ids.max())) >= tracks:
         found = f'its buffer "{folder}track" names track {largest}'
         raise ClipError(f"{found}; only {tracks} tracks are named")
-    present = {field for field, name in OPTIONAL.items() if folder + name in container.buffers}
-    if present & COLORS:
-        present |= COLORS  # so that the other one is missing
     optional: dict[str, Any] = {
-        field: container.take(folder + OPTIONAL[field], (count, 4), np.uint8) for field in present
+        field: container.take(folder + name, (count, 4), np.uint8)
+        for field, name in OPTIONAL.items()
+        if folder + name in container.buffers
     }
+    if len(optional.keys() & {"start_colors", "end_colors"}) == 1:
+        raise ClipError(f"one of its buffers {folder}start_color and {folder}end_color is missing")
     return replace(entry, curve=tuple(curve), tracks=ids, **optional)

@@ -6,7 +6,6 @@ Rules that types can't express, such as fields that contradict each other, are c
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
@@ -189,15 +188,15 @@ class Document(ClipHeader):
 
     def __post_init__(self) -> None:
         times, held_out = [[s.time for s in scans] for scans in (self.scans, self.held_out)]
-        bounds = [self.intervals[0].start, *(interval.end for interval in self.intervals)]
-        _require(all(a < b for a, b in pairwise(times)), "the scans' times do not ascend")
-        has_gaps = [interval.start for interval in self.intervals] != bounds[:-1]
-        _require(not has_gaps, "the intervals do not follow one another without a gap")
-        is_spanned = {*times} <= {*bounds} and (times[0], times[-1]) == (bounds[0], bounds[-1])
-        _require(is_spanned, "the intervals do not span the series from scan to scan")
-        _require(all(a < b for a, b in pairwise(held_out)), "the times in held_out do not ascend")
+        _require(times == sorted({*times}), "the scans' times do not ascend")
+        _require(held_out == sorted({*held_out}), "the times in held_out do not ascend")
         is_inside = all(times[0] <= time <= times[-1] for time in held_out)
         _require(is_inside, "a time in held_out lies outside the series")
+        bounds = [self.intervals[0].start, *(interval.end for interval in self.intervals)]
+        is_gapless = [interval.start for interval in self.intervals] == bounds[:-1]
+        _require(is_gapless, "the intervals do not follow one another without a gap")
+        is_spanned = {*times} <= {*bounds} and (times[0], times[-1]) == (bounds[0], bounds[-1])
+        _require(is_spanned, "the intervals do not span the series from scan to scan")
         count = len(self.tracks)
         for index, track in enumerate(self.tracks):
             is_valid = track.parent is None or index != track.parent < count

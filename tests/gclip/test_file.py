@@ -50,7 +50,7 @@ def test_scans_left_out_come_back(make_clip, tmp_path):
     ("field", "value", "words"),
     [
         ("time", 9.0, "outside the series"),
-        ("points", 21, "as the document needs"),
+        ("points", 21, "the document needs float32"),
         ("name", 7, r"at held_out\[0\].name: expected `str`, got `int`"),
     ],
 )
