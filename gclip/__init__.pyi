@@ -1,4 +1,4 @@
-from .clip import Clip, HeldOutScan, PointField, open
+from .clip import Clip, HeldOutScan, PointField, check, open
 from .errors import ClipError, UserError
 from .evaluate import Frame, Layer
 from .schema import Box, Group, Interval, Motion, ScanMark, SegmentPair, Track
@@ -20,5 +20,6 @@ __all__ = [
     "SegmentPair",
     "Track",
     "UserError",
+    "check",
     "open",
 ]

@@ -29,7 +29,7 @@ def check_command(
     They are read to the last byte. Every field and every buffer is checked as `play` checks it,
     and against the checksum that `bake` wrote beside it.
     """
-    from gclip.check import check
+    from gclip.clip import check
 
     damaged = 0
     for path in clips:

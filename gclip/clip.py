@@ -17,12 +17,17 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.document import read_document, write_document
 from gclip.errors import ClipError
 from gclip.evaluate import Frame, frame_at
-from gclip.file import KEY, Container, open_container, read_interval
+from gclip.file import (
+    Container,
+    open_container,
+    read_document,
+    read_interval,
+    verify_checksums,
+    write_file,
+)
 from gclip.schema import ClipHeader, Document, Interval, ScanMark, Track
-from gclip.terminal.atomic import atomic_file
 
 if TYPE_CHECKING:
     from open3d.geometry import PointCloud
@@ -184,17 +189,7 @@ class Clip(ClipHeader):
         ClipError
             If `gclip.open` would refuse the clip.
         """
-        from safetensors import SafetensorError
-        from safetensors.numpy import save_file
-
-        buffers = {name: np.ascontiguousarray(array) for name, array in _buffers(self).items()}
-        text = write_document(_content(self), buffers)
-        try:
-            read_document(text, len(text) + sum(buffer.nbytes for buffer in buffers.values()))
-            with atomic_file(Path(path), force) as part:
-                save_file(buffers, part, {KEY: text})
-        except (ClipError, SafetensorError) as error:
-            raise ClipError(f"{os.fspath(path)} can't be written: {error}.") from None
+        write_file(Path(path), _content(self), _buffers(self), force)
 
 
 def open(path: str | os.PathLike[str]) -> Clip:
@@ -218,12 +213,30 @@ def open(path: str | os.PathLike[str]) -> Clip:
     """
     try:
         container = open_container(Path(path))
-        return clip_in(container, read_document(container.text, container.size))
+        return _read_clip(container, read_document(container))
     except ClipError as error:
         raise ClipError(f"{os.fspath(path)}: {error}.") from None
 
 
-def clip_in(container: Container, document: Document) -> Clip:
+def check(path: str | os.PathLike[str]) -> str:
+    """Check a file to its last byte: all that `open` checks, and the checksums.
+
+    Returns what the clip contains. Raises ClipError, without the file's name and a full stop.
+    """
+    container = open_container(Path(path))
+    document = read_document(container)
+    checksums = "no checksums: it was written before format 1.1"
+    if document.sha256:
+        verify_checksums(container, document.sha256)
+        checksums = f"{len(document.sha256)} checksums agree"
+    clip = _read_clip(container, document)
+    return (
+        f"{len(clip.scans)} scans, {len(clip.intervals)} intervals, "
+        f"{len(container.buffers)} buffers, {container.size:,} bytes, {checksums}"
+    )
+
+
+def _read_clip(container: Container, document: Document) -> Clip:
     """The clip that a container holds. Raises ClipError without the file's name."""
     count = len(document.tracks)
     entries = enumerate(document.intervals)

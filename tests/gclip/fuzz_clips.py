@@ -177,7 +177,7 @@ def outcome(seed: int, case: int, folder: Path, uses: dict[str, Callable]) -> st
 def opened(path: Path) -> Any:
     """The clip, or None where it is refused as it should be."""
     import gclip
-    from gclip.check import check
+    from gclip import check
 
     found: list[Any] = []
 

@@ -15,7 +15,7 @@ from safetensors import safe_open
 from safetensors.numpy import save_file
 
 import gclip
-from gclip.check import check
+from gclip import check
 from gclip.cli import main
 
 

@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 import gclip
-from gclip.check import check
+from gclip import check
 from gclip.text import printable
 from tests.gclip.hostile import BOMBS, hostile
 

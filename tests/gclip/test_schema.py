@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 
 import gclip
-from gclip.document import read_document
+from gclip.file import Container, read_document
 from gclip.schema import Document
 from tests.gclip.hostile import NUMBERS, good_clips
 
 
 def read(document: dict) -> Document:
-    return read_document(json.dumps(document), 1 << 20)
+    return read_document(Container(json.dumps(document), {}, 1 << 20))
 
 
 def changed(place: tuple, field: str, value: object) -> dict:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import gclip
-from gclip.check import check
+from gclip import check
 
 CLIPS = Path(__file__).with_name("clips")
 POSITIONS = json.loads((CLIPS / "positions.json").read_text())  # at some days, by the clip's name
