@@ -85,26 +85,6 @@ def _usage_error(error: Any) -> str:
     return f"{option} is {printable(value, 80)}; {wrong.get('ctx', {}).get('error', wrong['msg'])}"
 
 
-def in_panels(panels: dict[str, str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorate a command so that its help groups the options in panels, without --no- switches.
-
-    panels: title -> names of the options.
-    """
-    titles = {name: panel for panel, names in panels.items() for name in names.split()}
-
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
-        for name, annotation in command.__annotations__.items():
-            for option in getattr(annotation, "__metadata__", ()):
-                option.rich_help_panel = titles.get(name)
-                if annotation.__origin__ is bool:
-                    option.metavar = ""  # not <bool>
-                    if option.default is ...:  # no name was given
-                        option.param_decls = (f"--{name.replace('_', '-')}",)
-        return command
-
-    return decorate
-
-
 def _print_version(context: Context, wanted: bool) -> None:
     if wanted:
         echo(f"{context.info_name} {__version__}")
@@ -116,11 +96,23 @@ VersionOption = Annotated[
 ]
 
 
-def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
-    """Run a typer app with `argv` (by default that of the process); returns the exit code."""
+def run_app(
+    app: Typer, command: str, argv: list[str] | None = None, panels: dict[str, str] | None = None
+) -> int:
+    """Run a typer app with `argv` (by default that of the process); returns the exit code.
+
+    panels: title -> names of the options that the help groups under it. Flags that are on by
+    default have a --no- form, other ones not.
+    """
 
     def work() -> int | None:
         parser, words = get_command(app), sys.argv[1:] if argv is None else [*argv]
+        titles = {name: title for title, names in (panels or {}).items() for name in names.split()}
+        for option in parser.params:
+            option.rich_help_panel = titles.get(option.name)
+            if getattr(option, "is_flag", False):
+                option.metavar = ""  # not <bool>
+                option.secondary_opts = option.secondary_opts if option.default else []
         try:
             with parser.make_context(command, words) as context:
                 return parser.invoke(context)
