@@ -199,7 +199,7 @@ def write_file(
     from safetensors import SafetensorError
     from safetensors.numpy import save_file
 
-    buffers = {name: np.ascontiguousarray(array) for name, array in arrays.items()}
+    buffers: dict[str, Any] = {n: np.ascontiguousarray(array) for n, array in arrays.items()}
     fields = msgspec.to_builtins(content, enc_hook=lambda number: number.item())  # NumPy scalars
     fields["version"] = f"{MAJOR}.{MINOR}"
     fields["sha256"] = {name: sha256(b).hexdigest() for name, b in buffers.items()}
@@ -221,7 +221,7 @@ def write_file(
 def verify_checksums(container: Container, written: Mapping[str, str]) -> None:
     """Raise ClipError if the buffers or the document have other checksums than were written."""
     document = container.text.replace(written.get(DOCUMENT, BLANK), BLANK).encode()
-    parts = {**container.buffers, DOCUMENT: document}
+    parts: dict[str, Any] = {**container.buffers, DOCUMENT: document}
     wrong = [n for n, part in parts.items() if sha256(part).hexdigest() != written.get(n)]
     if wrong:
         names = ", ".join(f'"{name[:40]}"' for name in wrong)

@@ -106,7 +106,7 @@ def run_app(
     """
 
     def work() -> int | None:
-        parser, words = get_command(app), sys.argv[1:] if argv is None else [*argv]
+        parser: Any = get_command(app)
         titles = {name: title for title, names in (panels or {}).items() for name in names.split()}
         for option in parser.params:
             option.rich_help_panel = titles.get(option.name)
@@ -114,8 +114,9 @@ def run_app(
                 option.metavar = ""  # not <bool>
                 option.secondary_opts = option.secondary_opts if option.default else []
         try:
-            with parser.make_context(command, words) as context:
-                return parser.invoke(context)
+            with parser.make_context(command, sys.argv[1:] if argv is None else [*argv]) as context:
+                code: int | None = parser.invoke(context)
+                return code
         except Exit as error:
             return error.exit_code
         except TyperException as error:
