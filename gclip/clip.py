@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -19,15 +19,19 @@ from numpy.typing import NDArray
 
 from gclip.errors import ClipError
 from gclip.evaluate import Frame, frame_at
-from gclip.file import (
-    Container,
-    open_container,
-    read_document,
-    read_interval,
-    verify_checksums,
-    write_file,
+from gclip.file import Container, open_container, read_document, verify_checksums, write_file
+from gclip.schema import (
+    CURVES,
+    OPTIONAL,
+    ClipHeader,
+    Document,
+    HeldOutScan,
+    Interval,
+    PointField,
+    ScanMark,
+    Track,
+    check_buffer,
 )
-from gclip.schema import ClipHeader, Document, Interval, ScanMark, Track
 
 if TYPE_CHECKING:
     from open3d.geometry import PointCloud
@@ -40,25 +44,6 @@ HELD_OUT = "held_out/%04d"  # name of a buffer, by the scan that was left out
 HEADER = [field.name for field in fields(ClipHeader)]
 TRACK = ["name", "color", "parent", "born", "lost", "kind"]
 INTERVAL = ["start", "end", "degree", "groups", "box", "segments"]
-
-
-@dataclass(frozen=True)
-class HeldOutScan:
-    """A scan that was left out of the bake, aligned with the others, for comparison."""
-
-    name: str
-    time: float
-    date: str
-    positions: NDArray[np.float32]  #: (N, 3) relative to the clip's origin
-
-
-@dataclass(frozen=True)
-class PointField:
-    """A scalar of the scans' points, such as NDVI or a temperature."""
-
-    name: str
-    values: tuple[NDArray[np.float32], ...]
-    """For each interval (N, 2): values of its movers at start and end, NaN where unknown."""
 
 
 class Tracks(dict[str, Track]):
@@ -238,38 +223,57 @@ def check(path: str | os.PathLike[str]) -> str:
 
 def _read_clip(container: Container, document: Document) -> Clip:
     """The clip that a container holds. Raises ClipError without the file's name."""
-    count = len(document.tracks)
-    entries = enumerate(document.intervals)
-    intervals = tuple(read_interval(container, i, entry, count) for i, entry in entries)
-    counts = [(k, len(interval)) for k, interval in enumerate(intervals)]
-    point_fields = tuple(
-        PointField(
-            name, tuple(container.take(FIELD % (k, i), (n, 2), np.float32) for k, n in counts)
+    buffers: dict[str, Any] = dict(container.buffers)
+
+    def take(name: str, count: int, columns: int) -> NDArray[np.float32]:
+        buffer = buffers.pop(name, None)
+        check_buffer(name, buffer, (count, columns), np.float32)
+        return buffer
+
+    try:
+        intervals = [_with_buffers(e, k, buffers) for k, e in enumerate(document.intervals)]
+        counts = [(k, len(interval)) for k, interval in enumerate(intervals)]
+        point_fields = tuple(
+            PointField(name, tuple(take(FIELD % (k, i), count, 2) for k, count in counts))
+            for i, name in enumerate(document.fields)
         )
-        for i, name in enumerate(document.fields)
-    )
-    held_out = tuple(
-        HeldOutScan(s.name, s.time, s.date, container.positions(HELD_OUT % i, s.points))
-        for i, s in enumerate(document.held_out)
-    )
-    clip = Clip(
-        intervals=intervals,
+        held_out = tuple(
+            HeldOutScan(s.name, s.time, s.date, take(HELD_OUT % i, s.points, 3))
+            for i, s in enumerate(document.held_out)
+        )
+    except ValueError as error:
+        raise ClipError(str(error)) from None
+    if buffers:
+        raise ClipError(f'it holds a buffer "{min(buffers)[:40]}" that nothing names')
+    largest, count = max(int(i.tracks.max()) for i in intervals), len(document.tracks)
+    if largest >= count:
+        raise ClipError(f"its movers name track {largest}; only {count} tracks are named")
+    return Clip(
+        intervals=tuple(intervals),
         track_table=document.tracks,
         fields=point_fields,
         held_out=held_out,
         **_fields(document, HEADER),
     )
-    if unknown := container.buffers.keys() - _buffers(clip):
-        raise ClipError(f'it holds a buffer "{min(unknown)[:40]}" that nothing names')
-    return clip
+
+
+def _with_buffers(entry: Interval, k: int, buffers: dict[str, Any]) -> Interval:
+    """Interval number k of a document, with its arrays, which are taken out of the buffers."""
+    names = {**OPTIONAL, "tracks": "track"}
+    arrays = {field: buffers.pop(f"{k:04d}/{name}", None) for field, name in names.items()}
+    curve = tuple(buffers.pop(f"{k:04d}/{name}", None) for name in CURVES[entry.degree])
+    try:
+        return replace(entry, curve=curve, **arrays)
+    except ValueError as error:
+        raise ValueError(f"in interval {k}, {error}") from None
 
 
 def _buffers(clip: Clip) -> dict[str, NDArray[Any]]:
     """The arrays of a clip by the names of their buffers."""
     buffers = {HELD_OUT % i: scan.positions for i, scan in enumerate(clip.held_out)}
-    for index, interval in enumerate(clip.intervals):
-        buffers |= interval.buffers(index)
-        buffers |= {FIELD % (index, i): f.values[index] for i, f in enumerate(clip.fields)}
+    for k, interval in enumerate(clip.intervals):
+        buffers |= {f"{k:04d}/{name}": array for name, array in interval.buffers().items()}
+        buffers |= {FIELD % (k, i): field.values[k] for i, field in enumerate(clip.fields)}
     return buffers
 
 

@@ -11,7 +11,7 @@ import stat
 import sys
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from hashlib import sha256
 from operator import attrgetter
 from pathlib import Path
@@ -23,7 +23,7 @@ from msgspec import DecodeError, Meta, Struct, ValidationError
 from numpy.typing import NDArray
 
 from gclip.errors import ClipError
-from gclip.schema import CURVES, MAX_NUMBER, OPTIONAL, Document, Interval
+from gclip.schema import Document
 from gclip.terminal.atomic import atomic_file
 from gclip.text import printable
 
@@ -38,29 +38,11 @@ identity = attrgetter("st_dev", "st_ino", "st_size", "st_mtime_ns")  # changes i
 
 @dataclass(frozen=True)
 class Container:
-    """An open file. Its methods raise ClipError, without the file's name and a full stop."""
+    """An open file."""
 
     text: str  #: the document
     buffers: dict[str, NDArray[Any]]  #: read-only views of the file, by name
-    size: int = 0  #: of the file, in bytes
-
-    def take(self, name: str, shape: tuple[int, ...], *dtypes: type) -> NDArray[Any]:
-        """The buffer of a name, which must have this shape and one of the dtypes."""
-        buffer = self.buffers.get(name)
-        if buffer is None or buffer.shape != shape or buffer.dtype.type not in dtypes:
-            found = "missing" if buffer is None else f"{buffer.dtype.name} {buffer.shape}"
-            needed = f"{' or '.join(np.dtype(dtype).name for dtype in dtypes)} {shape}"
-            raise ClipError(f'its buffer "{name}" is {found}; the document needs {needed}')
-        return buffer
-
-    def positions(self, name: str, count: int) -> NDArray[np.float32]:
-        """A buffer of (count, 3) local positions, which must be finite."""
-        points = self.take(name, (count, 3), np.float32)
-        # Comparisons with NaN, which is the minimum and maximum of an array with NaN, are False.
-        if count and not (points.min() >= -MAX_NUMBER and points.max() <= MAX_NUMBER):
-            found = f"a position that is not finite, or beyond {MAX_NUMBER:g}"
-            raise ClipError(f'its buffer "{name}" holds {found}')
-        return points
+    size: int  #: of the file, in bytes
 
 
 def open_container(path: Path) -> Container:
@@ -100,44 +82,6 @@ def open_container(path: Path) -> Container:
         reason = printable(str(error), 200)
         raise ClipError(f"not a growth clip, or cut short or damaged ({reason})") from None
     return Container(text, buffers, len(data))
-
-
-def read_interval(container: Container, index: int, entry: Interval, tracks: int) -> Interval:
-    """Read the buffers of an interval and check them.
-
-    Parameters
-    ----------
-    container : Container
-    index : int
-        Number of the interval, from which its buffers are named.
-    entry : Interval
-        As the document has it; its own buffers are ignored.
-    tracks : int
-        Number of tracks of the clip.
-
-    Raises
-    ------
-    ClipError
-        If a buffer is missing, has another shape or type, or holds wrong values.
-    """
-    count, folder = entry.groups[-1].stop, f"{index:04d}/"
-    names = [folder + name for name in CURVES[entry.degree]]
-    if entry.box is None:
-        curve = [container.positions(name, count) for name in names]
-    else:
-        curve = [container.take(name, (count, 3), np.uint16) for name in names]
-    ids = container.take(f"{folder}track", (count,), np.uint16, np.uint32)
-    if (largest := int(ids.max())) >= tracks:
-        found = f'its buffer "{folder}track" names track {largest}'
-        raise ClipError(f"{found}; only {tracks} tracks are named")
-    optional: dict[str, Any] = {
-        field: container.take(folder + name, (count, 4), np.uint8)
-        for field, name in OPTIONAL.items()
-        if folder + name in container.buffers
-    }
-    if len(optional.keys() & {"start_colors", "end_colors"}) == 1:
-        raise ClipError(f"one of its buffers {folder}start_color and {folder}end_color is missing")
-    return replace(entry, curve=tuple(curve), tracks=ids, **optional)
 
 
 class Versioned(Struct):

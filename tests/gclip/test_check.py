@@ -108,7 +108,7 @@ def test_what_open_refuses_is_refused(saved: Path) -> None:
         buffers["0000/track"][7] = 99
         del text["sha256"]
 
-    assert "names track 99" in wrong(rewritten(saved, change))
+    assert "name track 99" in wrong(rewritten(saved, change))
 
 
 def test_a_document_that_was_edited_is_noticed(saved: Path) -> None:

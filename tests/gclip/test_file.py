@@ -191,7 +191,7 @@ LIES = {
     "buffer nobody names": (put("0009/start", np.zeros((3, 3), np.uint16)), "nothing names"),
     "foreign dtype": (put("0000/track", np.zeros(300, np.float64)), "type F64"),
     "shape": (put("0000/track", np.zeros((300, 2), np.uint16)), "needs"),
-    "track out of range": (put("0000/track", np.full(300, 2, np.uint16)), "names track 2"),
+    "track out of range": (put("0000/track", np.full(300, 2, np.uint16)), "name track 2"),
     "one color only": (put("0000/end_color", np.zeros((300, 4), np.uint8)), "missing"),
 }
 

@@ -117,7 +117,8 @@ def test_float32_positions_are_within_bounds(make_clip, tmp_path: Path) -> None:
         assert not refusal(path)
         clip.intervals[1].curve[-1][3, 2] = np.nextafter(np.float32(value), np.float32(9 * value))
         clip.save(path)
-        assert '"0001/end" holds a position that is not finite, or beyond' in refusal(path)
+        said = 'in interval 1, its buffer "end" holds a position that is not finite, or beyond'
+        assert said in refusal(path)
 
 
 def test_what_would_be_refused_is_not_written(make_clip, tmp_path: Path) -> None:
