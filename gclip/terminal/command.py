@@ -105,7 +105,7 @@ def run_app(
     default have a --no- form, other ones not.
     """
 
-    def work() -> int | None:
+    def work() -> Any:
         parser: Any = get_command(app)
         titles = {name: title for title, names in (panels or {}).items() for name in names.split()}
         for option in parser.params:
@@ -115,8 +115,7 @@ def run_app(
                 option.secondary_opts = option.secondary_opts if option.default else []
         try:
             with parser.make_context(command, sys.argv[1:] if argv is None else [*argv]) as context:
-                code: int | None = parser.invoke(context)
-                return code
+                return parser.invoke(context)
         except Exit as error:
             return error.exit_code
         except TyperException as error:
