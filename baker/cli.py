@@ -10,7 +10,7 @@ from typing import Annotated, Any, get_type_hints
 import typer
 
 from baker.options import Options, Outputs
-from gclip.terminal.command import VersionOption, in_panels, run_app
+from gclip.terminal.command import VersionOption, run_app
 
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 
@@ -44,7 +44,6 @@ def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
 
 
 @app.command(epilog="Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.")
-@in_panels(PANELS)
 @_with_flags
 def bake_command(
     inputs: Annotated[
@@ -85,4 +84,4 @@ def bake_command(
 def main(argv: list[str] | None = None) -> int:
     """Run `bake` with these arguments (by default those of the process); returns the exit code."""
     gc.set_threshold(10_000)  # a bake makes few cycles of objects
-    return run_app(app, "bake", argv)
+    return run_app(app, "bake", argv, PANELS)

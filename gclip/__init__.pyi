@@ -1,7 +1,17 @@
-from .clip import Clip, HeldOutScan, PointField, open
+from .clip import Clip, check, open
 from .errors import ClipError, UserError
 from .evaluate import Frame, Layer
-from .schema import Box, Group, Interval, Motion, ScanMark, SegmentPair, Track
+from .schema import (
+    Box,
+    Group,
+    HeldOutScan,
+    Interval,
+    Motion,
+    PointField,
+    ScanMark,
+    SegmentPair,
+    Track,
+)
 
 __version__: str
 
@@ -20,5 +30,6 @@ __all__ = [
     "SegmentPair",
     "Track",
     "UserError",
+    "check",
     "open",
 ]

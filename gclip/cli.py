@@ -24,20 +24,23 @@ def check_command(
     clips: Annotated[list[Path], typer.Argument(metavar="CLIP...", help="Growth clips.")],
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Name damaged clips only.")] = False,
 ) -> None:
-    """Tell whether clips are whole; what is wrong, and where.
+    """Tell whether clips are whole, and what is wrong.
 
     They are read to the last byte. Every field and every buffer is checked as `play` checks it,
     and against the checksum that `bake` wrote beside it.
     """
-    from gclip.check import check
+    from gclip.clip import check
 
     damaged = 0
     for path in clips:
-        report = check(path)
-        damaged += not report.whole
-        lines = report.findings or ([] if quiet else [f"whole; {report.contents}"])
-        for line in lines:
-            typer.echo(printable(f"{path}: {line}."))
+        try:
+            contents = check(path)
+        except ClipError as error:
+            damaged += 1
+            typer.echo(printable(f"{path}: {error}."))
+        else:
+            if not quiet:
+                typer.echo(printable(f"{path}: whole; {contents}."))
     if damaged:
         subject = "the clip is" if len(clips) == 1 else f"{damaged} of {len(clips)} clips are"
         raise ClipError(f"{subject} not whole.")

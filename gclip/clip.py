@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, overload
@@ -18,14 +17,21 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.corrections import corrections_file, read_corrections
-from gclip.document import read_document, write_document
-from gclip.errors import ClipError, UserError
+from gclip.errors import ClipError
 from gclip.evaluate import Frame, frame_at
-from gclip.file import KEY, Container, open_container, read_interval
-from gclip.places import rename_organs
-from gclip.schema import ClipHeader, Document, Interval, ScanMark, Track
-from gclip.terminal.atomic import atomic_file
+from gclip.file import Container, open_container, read_document, verify_checksums, write_file
+from gclip.schema import (
+    CURVES,
+    OPTIONAL,
+    ClipHeader,
+    Document,
+    HeldOutScan,
+    Interval,
+    PointField,
+    ScanMark,
+    Track,
+    check_buffer,
+)
 
 if TYPE_CHECKING:
     from open3d.geometry import PointCloud
@@ -38,25 +44,6 @@ HELD_OUT = "held_out/%04d"  # name of a buffer, by the scan that was left out
 HEADER = [field.name for field in fields(ClipHeader)]
 TRACK = ["name", "color", "parent", "born", "lost", "kind"]
 INTERVAL = ["start", "end", "degree", "groups", "box", "segments"]
-
-
-@dataclass(frozen=True)
-class HeldOutScan:
-    """A scan that was left out of the bake, aligned with the others, for comparison."""
-
-    name: str
-    time: float
-    date: str
-    positions: NDArray[np.float32]  #: (N, 3) relative to the clip's origin
-
-
-@dataclass(frozen=True)
-class PointField:
-    """A scalar of the scans' points, such as NDVI or a temperature."""
-
-    name: str
-    values: tuple[NDArray[np.float32], ...]
-    """For each interval (N, 2): values of its movers at start and end, NaN where unknown."""
 
 
 class Tracks(dict[str, Track]):
@@ -187,25 +174,13 @@ class Clip(ClipHeader):
         ClipError
             If `gclip.open` would refuse the clip.
         """
-        from safetensors import SafetensorError
-        from safetensors.numpy import save_file
-
-        buffers = {name: np.ascontiguousarray(array) for name, array in _buffers(self).items()}
-        text = write_document(_content(self), buffers)
-        try:
-            read_document(text, len(text) + sum(buffer.nbytes for buffer in buffers.values()))
-            with atomic_file(Path(path), force) as part:
-                save_file(buffers, part, {KEY: text})
-        except (ClipError, SafetensorError) as error:
-            raise ClipError(f"{os.fspath(path)} can't be written: {error}.") from None
+        write_file(Path(path), _content(self), _buffers(self), force)
 
 
 def open(path: str | os.PathLike[str]) -> Clip:
     """Open a clip, memory-mapped, and check it.
 
-    Checksums are not verified, since that would read the whole file (see `gclip.check`). Organs are
-    renamed as the file of corrections next to the clip says; errors in that file are ignored here,
-    and reported by the window and by the next bake.
+    Checksums are not verified, since that would read the whole file (see `gclip.check`).
 
     Parameters
     ----------
@@ -221,55 +196,84 @@ def open(path: str | os.PathLike[str]) -> Clip:
     ClipError
         If the file can't be read or is damaged; the message is one sentence.
     """
-    clip = open_as_baked(path)
-    with suppress(UserError):
-        return rename_organs(clip, read_corrections(corrections_file(Path(path))))
-    return clip
-
-
-def open_as_baked(path: str | os.PathLike[str]) -> Clip:
-    """Open a clip like `open`, but without the corrected names of organs."""
     try:
         container = open_container(Path(path))
-        return clip_in(container, read_document(container.text, container.size))
+        return _read_clip(container, read_document(container))
     except ClipError as error:
         raise ClipError(f"{os.fspath(path)}: {error}.") from None
 
 
-def clip_in(container: Container, document: Document) -> Clip:
+def check(path: str | os.PathLike[str]) -> str:
+    """Check a file to its last byte: all that `open` checks, and the checksums.
+
+    Returns what the clip contains. Raises ClipError, without the file's name and a full stop.
+    """
+    container = open_container(Path(path))
+    document = read_document(container)
+    checksums = "no checksums: it was written before format 1.1"
+    if document.sha256:
+        verify_checksums(container, document.sha256)
+        checksums = f"{len(document.sha256)} checksums agree"
+    clip = _read_clip(container, document)
+    return (
+        f"{len(clip.scans)} scans, {len(clip.intervals)} intervals, "
+        f"{len(container.buffers)} buffers, {container.size:,} bytes, {checksums}"
+    )
+
+
+def _read_clip(container: Container, document: Document) -> Clip:
     """The clip that a container holds. Raises ClipError without the file's name."""
-    count = len(document.tracks)
-    entries = enumerate(document.intervals)
-    intervals = tuple(read_interval(container, i, entry, count) for i, entry in entries)
-    counts = [(k, len(interval)) for k, interval in enumerate(intervals)]
-    point_fields = tuple(
-        PointField(
-            name, tuple(container.take(FIELD % (k, i), (n, 2), np.float32) for k, n in counts)
+    buffers: dict[str, Any] = dict(container.buffers)
+
+    def take(name: str, count: int, columns: int) -> NDArray[np.float32]:
+        buffer = buffers.pop(name, None)
+        check_buffer(name, buffer, (count, columns), np.float32)
+        return buffer
+
+    try:
+        intervals = [_with_buffers(e, k, buffers) for k, e in enumerate(document.intervals)]
+        counts = [(k, len(interval)) for k, interval in enumerate(intervals)]
+        point_fields = tuple(
+            PointField(name, tuple(take(FIELD % (k, i), count, 2) for k, count in counts))
+            for i, name in enumerate(document.fields)
         )
-        for i, name in enumerate(document.fields)
-    )
-    held_out = tuple(
-        HeldOutScan(s.name, s.time, s.date, container.positions(HELD_OUT % i, s.points))
-        for i, s in enumerate(document.held_out)
-    )
-    clip = Clip(
-        intervals=intervals,
+        held_out = tuple(
+            HeldOutScan(s.name, s.time, s.date, take(HELD_OUT % i, s.points, 3))
+            for i, s in enumerate(document.held_out)
+        )
+    except ValueError as error:
+        raise ClipError(str(error)) from None
+    if buffers:
+        raise ClipError(f'it holds a buffer "{min(buffers)[:40]}" that nothing names')
+    largest, count = max(int(i.tracks.max()) for i in intervals), len(document.tracks)
+    if largest >= count:
+        raise ClipError(f"its movers name track {largest}; only {count} tracks are named")
+    return Clip(
+        intervals=tuple(intervals),
         track_table=document.tracks,
         fields=point_fields,
         held_out=held_out,
         **_fields(document, HEADER),
     )
-    if unknown := container.buffers.keys() - _buffers(clip):
-        raise ClipError(f'it holds a buffer "{min(unknown)[:40]}" that nothing names')
-    return clip
+
+
+def _with_buffers(entry: Interval, k: int, buffers: dict[str, Any]) -> Interval:
+    """Interval number k of a document, with its arrays, which are taken out of the buffers."""
+    names = {**OPTIONAL, "tracks": "track"}
+    arrays = {field: buffers.pop(f"{k:04d}/{name}", None) for field, name in names.items()}
+    curve = tuple(buffers.pop(f"{k:04d}/{name}", None) for name in CURVES[entry.degree])
+    try:
+        return replace(entry, curve=curve, **arrays)
+    except ValueError as error:
+        raise ValueError(f"in interval {k}, {error}") from None
 
 
 def _buffers(clip: Clip) -> dict[str, NDArray[Any]]:
     """The arrays of a clip by the names of their buffers."""
     buffers = {HELD_OUT % i: scan.positions for i, scan in enumerate(clip.held_out)}
-    for index, interval in enumerate(clip.intervals):
-        buffers |= interval.buffers(index)
-        buffers |= {FIELD % (index, i): f.values[index] for i, f in enumerate(clip.fields)}
+    for k, interval in enumerate(clip.intervals):
+        buffers |= {f"{k:04d}/{name}": array for name, array in interval.buffers().items()}
+        buffers |= {FIELD % (k, i): field.values[k] for i, field in enumerate(clip.fields)}
     return buffers
 
 

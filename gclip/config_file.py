@@ -1,13 +1,12 @@
 """Read configuration files (TOML, JSON) of limited size and validate them with msgspec."""
 
-import json
 import re
-import tomllib
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, TypeVar
 
-from msgspec import ValidationError, convert
+import msgspec
+from msgspec import DecodeError, ValidationError
 
 from gclip.errors import UserError
 from gclip.text import printable
@@ -46,12 +45,10 @@ def read_config(path: Path, kind: type[T], most: int) -> T:
         Names the file, the field, its value and what is needed.
     """
     text = read_text(path, most)
+    content: Any = None
     try:
-        content: Any = json.loads(text) if path.suffix == ".json" else tomllib.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise UserError(f"'{path}' is no sound {path.suffix[1:].upper()} file: {error}.") from None
-    try:
-        return convert(content, kind)
+        content = (msgspec.json if path.suffix == ".json" else msgspec.toml).decode(text)
+        return msgspec.convert(content, kind)
     except ValidationError as error:  # "what is wrong - at `$.table[0].field`"
         reason, _, place = str(error).rpartition(" - at `$")
         reason, field = (reason, place.strip(".`")) if reason else (place, "")
@@ -61,3 +58,5 @@ def read_config(path: Path, kind: type[T], most: int) -> T:
         numbered = re.sub(r"\[(\d+)\]", lambda index: f" {int(index[1]) + 1}", field)
         found = f"{numbered} is {printable(repr(content), 80)}; " if field else ""
         raise UserError(f"'{path}': {found}{printable(reason, 120)}.") from None
+    except (DecodeError, RecursionError) as error:
+        raise UserError(f"'{path}' is no sound {path.suffix[1:].upper()} file: {error}.") from None

@@ -6,16 +6,16 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from operator import attrgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.file import check_not_truncated
 from gclip.schema import Group, Interval, Motion
 
 if TYPE_CHECKING:
-    from gclip.clip import Clip, PointField
+    from gclip.clip import Clip
 
 LITTER_FADE = 0.15  # share of the following interval during which fallen organs fade
 
@@ -91,21 +91,19 @@ def layers_at(clip: Clip, day: float) -> list[Layer]:
         In the clip's unit of time.
     """
     index, share = locate(clip, day)
-    plant, litter = [], []
+    layers = []
     for group in clip.intervals[index].groups:
         if group.motion is Motion.MOVE or share == 0.0:
-            plant.append(Layer(index, group, share, share, 1.0))
-        elif group.motion is Motion.FALL and share < 1.0:
-            plant.append(Layer(index, group, share**2, share, 1.0))
+            layers.append(Layer(index, group, share, share, 1.0))
         elif group.motion is Motion.FALL:
-            litter.append(Layer(index, group, 1.0, 1.0, 1.0, litter=True))
+            layers.append(Layer(index, group, share**2, share, 1.0, litter=share == 1.0))
         elif group.motion is Motion.FADE and share < 1.0:
-            plant.append(Layer(index, group, share, share, 1.0 - share))
+            layers.append(Layer(index, group, share, share, 1.0 - share))
     if index > 0 and share < LITTER_FADE:
         fallen = [g for g in clip.intervals[index - 1].groups if g.motion is Motion.FALL]
         alpha = 1.0 - share / LITTER_FADE
-        litter += [Layer(index - 1, g, 1.0, 1.0, alpha, litter=True) for g in fallen]
-    return plant + litter
+        layers += [Layer(index - 1, g, 1.0, 1.0, alpha, litter=True) for g in fallen]
+    return sorted(layers, key=attrgetter("litter"))
 
 
 def bernstein(degree: int, parameter: float) -> NDArray[np.float64]:
@@ -139,13 +137,7 @@ def positions_on_curve(interval: Interval, movers: slice, parameter: float) -> N
     -------
     (n, 3) float32
         Positions relative to the clip's origin, in its unit.
-
-    Raises
-    ------
-    ClipError
-        If the file of the clip was truncated after it was opened.
     """
-    check_not_truncated(interval.tracks)
     weights = bernstein(interval.degree, parameter)
     blended = np.zeros((len(interval.tracks[movers]), 3), np.float64)
     for weight, points in zip(weights, interval.curve, strict=True):
@@ -166,21 +158,21 @@ def frame_at(clip: Clip, day: float) -> Frame:
 
 def _frame(clip: Clip, day: float, layers: list[Layer]) -> Frame:
     empty = (np.zeros((0, 3), np.float32), np.zeros((0, 4), np.uint8), np.zeros(0, np.uint16))
-    parts = [evaluate_layer(clip, layer) for layer in layers] or [empty]
-    local, colors, tracks = (np.concatenate(part) for part in zip(*parts, strict=True))
-    fields = {each.name: _blend_field(each, layers) for each in clip.fields}
+    parts = [empty, *(evaluate_layer(clip, layer) for layer in layers)]
+    local, colors, tracks = map(np.concatenate, zip(*parts, strict=True))
+    fields = {}
+    for each in clip.fields:
+        blended = [_blend(each.values[layer.interval], layer) for layer in layers]
+        fields[each.name] = np.concatenate([np.zeros(0, np.float32), *blended])
     return Frame(day, local, colors, tracks, clip.origin, fields=fields)
 
 
-def _blend_field(point_field: PointField, layers: list[Layer]) -> NDArray[np.floating]:
-    """(N,) values of the layers' movers, blended between start and end."""
-    parts = [np.zeros(0, np.float32)]
-    for layer in layers:
-        ends = point_field.values[layer.interval][layer.group.first : layer.group.stop]
-        mixed = (1.0 - layer.blend) * ends[:, 0] + layer.blend * ends[:, 1]
-        # The values of the scans are exact, even if that of the other end is NaN.
-        parts.append({0.0: ends[:, 0], 1.0: ends[:, 1]}.get(layer.blend, mixed))
-    return np.concatenate(parts)
+def _blend(values: NDArray[np.float32], layer: Layer) -> NDArray[np.floating]:
+    """(n,) values of a layer's movers, blended between start and end."""
+    start, end = values[layer.group.first : layer.group.stop].T
+    mixed = (1.0 - layer.blend) * start + layer.blend * end
+    # The values of the scans are exact, even if that of the other end is NaN.
+    return {0.0: start, 1.0: end}.get(layer.blend, mixed)
 
 
 def evaluate_layer(
@@ -204,16 +196,13 @@ def evaluate_layer(
     """
     interval = clip.intervals[layer.interval]
     movers = slice(layer.group.first, layer.group.stop)
-    local = positions_on_curve(interval, movers, layer.parameter)
     tracks = np.asarray(interval.tracks[movers])
     if interval.start_colors is not None and interval.end_colors is not None:
         colors = blend_srgb(interval.start_colors[movers], interval.end_colors[movers], layer.blend)
     else:
         colors = palette_at(clip, layer.interval, layer.blend)[tracks]
-    if layer.alpha < 1.0:
-        colors = colors.copy()
-        colors[:, 3] = np.round(colors[:, 3] * layer.alpha)
-    return local, colors, tracks
+    colors[:, 3] = np.round(colors[:, 3] * layer.alpha)
+    return positions_on_curve(interval, movers, layer.parameter), colors, tracks
 
 
 def palette_at(clip: Clip, interval: int, share: float) -> NDArray[np.uint8]:
@@ -277,11 +266,7 @@ def linear_to_srgb(linear: NDArray[np.floating]) -> NDArray[np.floating]:
 
 
 def blend_srgb(start: NDArray[np.uint8], end: NDArray[np.uint8], share: float) -> NDArray[np.uint8]:
-    """Blend (N, 4) uint8 sRGB and alpha in linear light; start and end are reproduced exactly."""
-    if share <= 0.0:
-        return np.asarray(start)
-    if share >= 1.0:
-        return np.asarray(end)
+    """Blend (N, 4) uint8 sRGB and alpha in linear light."""
     light = srgb_to_linear(np.arange(256) / 255.0)
     color = linear_to_srgb((1.0 - share) * light[start[:, :3]] + share * light[end[:, :3]])
     alpha = (1.0 - share) * start[:, 3:] + share * end[:, 3:]

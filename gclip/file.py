@@ -1,27 +1,38 @@
-"""Read files of clips: a safetensors container with a JSON document (docs/format.md).
+"""Read and write files of clips: a safetensors container with a JSON document (docs/format.md).
 
-No code from the file is executed; buffers are views of the memory-mapped file.
+No code from a file is executed; buffers are views of the memory-mapped file. Control characters in
+the document's texts are replaced.
 """
 
+import json
 import math
-import mmap
 import os
 import stat
-from dataclasses import dataclass, replace
+import sys
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from hashlib import sha256
 from operator import attrgetter
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+import msgspec
 import numpy as np
+from msgspec import DecodeError, Meta, Struct, ValidationError
 from numpy.typing import NDArray
 
 from gclip.errors import ClipError
-from gclip.schema import CURVES, MAX_NUMBER, OPTIONAL, Interval
+from gclip.schema import Document
+from gclip.terminal.atomic import atomic_file
 from gclip.text import printable
 
+MAJOR, MINOR = 1, 2  # of the format's version
+SPARE_MEMORY = 64 << 20  # bytes that a document's values may occupy beyond twice the file's size
+MAX_DEPTH = 32  # of nested objects and lists
+DOCUMENT, BLANK = "document", "0" * 64  # the document's checksum is taken with this in its place
 KEY = "gclip"
 DTYPES = {"U8": np.uint8, "U16": np.uint16, "U32": np.uint32, "F32": np.float32}
-COLORS = {"start_colors", "end_colors"}  # fields of an interval, both or none
 identity = attrgetter("st_dev", "st_ino", "st_size", "st_mtime_ns")  # changes if the file does
 
 
@@ -32,45 +43,6 @@ class Container:
     text: str  #: the document
     buffers: dict[str, NDArray[Any]]  #: read-only views of the file, by name
     size: int  #: of the file, in bytes
-
-    def take(self, name: str, shape: tuple[int, ...], *dtypes: type) -> NDArray[Any]:
-        """The buffer of a name. Raises ClipError unless it has this shape and one of the dtypes."""
-        if name not in self.buffers:
-            raise ClipError(f'its buffer "{name}" is missing')
-        buffer = self.buffers[name]
-        if buffer.shape != shape or buffer.dtype.type not in dtypes:
-            found = f"{buffer.dtype.name} {buffer.shape}"
-            needed = f"{' or '.join(np.dtype(dtype).name for dtype in dtypes)} {shape}"
-            raise ClipError(f'its buffer "{name}" is {found}, not {needed} as the document needs')
-        return buffer
-
-    def positions(self, name: str, count: int) -> NDArray[np.float32]:
-        """A buffer of (count, 3) local positions. Raises ClipError unless they are finite."""
-        points = self.take(name, (count, 3), np.float32)
-        # Comparisons with NaN, which is the minimum and maximum of an array with NaN, are False.
-        if count and not (points.min() >= -MAX_NUMBER and points.max() <= MAX_NUMBER):
-            found = f"a position that is not finite, or beyond {MAX_NUMBER:g}"
-            raise ClipError(f'its buffer "{name}" holds {found}')
-        return points
-
-
-class Mapped(mmap.mmap):
-    """A memory-mapped file with its name."""
-
-    name: str
-
-
-def check_not_truncated(buffer: NDArray[Any]) -> None:
-    """Raise ClipError if the file that a buffer is mapped from was truncated after it was opened.
-
-    Call it before reading a buffer: an access beyond the end of the file ends the process (SIGBUS).
-    """
-    base: Any = buffer
-    while isinstance(base, np.ndarray):
-        base = base.base
-    mapped = getattr(base, "obj", base)
-    if isinstance(mapped, Mapped) and mapped.size() < len(mapped):
-        raise ClipError(f"{mapped.name}: it was cut short while it was open.")
 
 
 def open_container(path: Path) -> Container:
@@ -85,11 +57,8 @@ def open_container(path: Path) -> Container:
         before = os.stat(path)
         if not stat.S_ISREG(before.st_mode):
             raise ClipError("not a growth clip, not even a file")
-        with open(path, "rb") as file:
-            first = 8 + int.from_bytes(file.read(8), "little")  # byte of the first buffer
-            mapped = Mapped(file.fileno(), 0, access=mmap.ACCESS_READ)
-        mapped.name = os.fspath(path)
-        data = np.frombuffer(mapped, np.uint8)
+        data = np.asarray(np.memmap(path, np.uint8, "r"))
+        first = 8 + int.from_bytes(data[:8].tobytes(), "little")  # byte of the first buffer
         with safe_open(path, framework="numpy") as header:
             text = (header.metadata() or {}).get(KEY)
             if text is None:
@@ -115,38 +84,89 @@ def open_container(path: Path) -> Container:
     return Container(text, buffers, len(data))
 
 
-def read_interval(container: Container, index: int, entry: Interval, tracks: int) -> Interval:
-    """Read the buffers of an interval and check them.
+class Versioned(Struct):
+    """The part that documents of all versions have in common."""
 
-    Parameters
-    ----------
-    container : Container
-    index : int
-        Number of the interval, from which its buffers are named.
-    entry : Interval
-        As the document has it; its own buffers are ignored.
-    tracks : int
-        Number of tracks of the clip.
+    version: Annotated[str, Meta(max_length=1000, pattern=r"^[0-9]+(\.|$)")]
 
-    Raises
-    ------
-    ClipError
-        If a buffer is missing, has another shape or type, or holds wrong values.
+
+def read_document(container: Container) -> Document:
+    """Parse and check a clip's document. Raises ClipError, which names the wrong field."""
+    text = container.text
+    # The memory that its values occupy at most, as it was measured for objects, lists and so on.
+    values = {"{": 300, "[": 80, ",": 88, ":": 210}
+    memory = 3 * sys.getsizeof(text) + sum(text.count(c) * size for c, size in values.items())
+    if memory > SPARE_MEMORY + 2 * container.size:
+        raise ClipError("its document holds far more values than a file of its size needs")
+    try:
+        major = msgspec.json.decode(text, type=Versioned).version.split(".")[0]
+        if int(major) > MAJOR:
+            raise ClipError(
+                f"it was written in clip format {major[:20]}; this program reads up to "
+                f"{MAJOR}.{MINOR}, so a newer version of it is needed"
+            )
+        content = _cleaned(msgspec.json.decode(text))
+        with suppress(LookupError, TypeError):  # `convert` says what is wrong with the tracks
+            for index, track in enumerate(content["tracks"]):
+                track["id"] = index
+        return msgspec.convert(content, Document)
+    except ValidationError as error:  # in the form "reason - at `$.field`"
+        reason, _, field = str(error).partition(" - at `$")
+        location = f", at {field.strip('.`')}" if field else ""
+        sentence = f"its document{location}: {reason[:1].lower()}{reason[1:]}"
+    except (DecodeError, RecursionError) as error:
+        sentence = f"its document is not valid JSON: {error}"
+    raise ClipError(printable(sentence, 300))
+
+
+def _cleaned(value: Any, levels: int = MAX_DEPTH) -> Any:
+    """A JSON value, nested at most `levels` deep, with control characters replaced."""
+    if isinstance(value, str):
+        return printable(value)
+    if not isinstance(value, dict | list):
+        return value
+    if not levels:
+        raise ClipError(f"its document is nested more than {MAX_DEPTH} levels deep")
+    if isinstance(value, dict):
+        return {printable(name): _cleaned(each, levels - 1) for name, each in value.items()}
+    return [_cleaned(each, levels - 1) for each in value]
+
+
+def write_file(
+    path: Path, content: Mapping[str, Any], arrays: Mapping[str, Any], force: bool
+) -> None:
+    """Write a clip's file atomically; equal content gives equal bytes.
+
+    The version and the checksums are added to the content. Raises UserError if the file can't be
+    written, and ClipError if it could not be read.
     """
-    count, folder = entry.groups[-1].stop, f"{index:04d}/"
-    names = [folder + name for name in CURVES[entry.degree]]
-    if entry.box is None:
-        curve = [container.positions(name, count) for name in names]
-    else:
-        curve = [container.take(name, (count, 3), np.uint16) for name in names]
-    ids = container.take(f"{folder}track", (count,), np.uint16, np.uint32)
-    if (largest := int(ids.max())) >= tracks:
-        found = f'its buffer "{folder}track" names track {largest}'
-        raise ClipError(f"{found}; only {tracks} tracks are named")
-    present = {field for field, name in OPTIONAL.items() if folder + name in container.buffers}
-    if present & COLORS:
-        present |= COLORS  # so that the other one is missing
-    optional: dict[str, Any] = {
-        field: container.take(folder + OPTIONAL[field], (count, 4), np.uint8) for field in present
-    }
-    return replace(entry, curve=tuple(curve), tracks=ids, **optional)
+    from safetensors import SafetensorError
+    from safetensors.numpy import save_file
+
+    buffers: dict[str, Any] = {n: np.ascontiguousarray(array) for n, array in arrays.items()}
+    fields = msgspec.to_builtins(content, enc_hook=lambda number: number.item())  # NumPy scalars
+    fields["version"] = f"{MAJOR}.{MINOR}"
+    fields["sha256"] = {name: sha256(b).hexdigest() for name, b in buffers.items()}
+    fields["sha256"][DOCUMENT] = BLANK
+    text = json.dumps(
+        fields, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False
+    )
+    text = printable(text)  # the name of a file may not be valid UTF-8
+    own = f'"{DOCUMENT}":"{BLANK}"'
+    text = text.replace(own, own.replace(BLANK, sha256(text.encode()).hexdigest()))
+    try:
+        read_document(Container(text, buffers, sum(b.nbytes for b in buffers.values())))
+        with atomic_file(path, force) as part:
+            save_file(buffers, part, {KEY: text})
+    except (ClipError, SafetensorError) as error:
+        raise ClipError(f"{path} can't be written: {error}.") from None
+
+
+def verify_checksums(container: Container, written: Mapping[str, str]) -> None:
+    """Raise ClipError if the buffers or the document have other checksums than were written."""
+    document = container.text.replace(written.get(DOCUMENT, BLANK), BLANK).encode()
+    parts: dict[str, Any] = {**container.buffers, DOCUMENT: document}
+    wrong = [n for n, part in parts.items() if sha256(part).hexdigest() != written.get(n)]
+    if wrong:
+        names = ", ".join(f'"{name[:40]}"' for name in wrong)
+        raise ClipError(f"not what its checksums were written for: {names}")

@@ -6,7 +6,6 @@ Rules that types can't express, such as fields that contradict each other, are c
 
 from dataclasses import dataclass, field
 from enum import StrEnum
-from itertools import pairwise
 from typing import Annotated, Any
 
 import numpy as np
@@ -17,7 +16,6 @@ from gclip.morton import extent
 
 MAX_NUMBER = 1e18  # its square is finite in float32, the precision of a GPU
 MIN_DURATION = 1e-9  # of an interval
-MAX_DEPTH = 32  # of nested objects and lists in `provenance`
 
 CURVES = {
     1: ("start", "end"),
@@ -141,7 +139,17 @@ class Interval:
         _require(self.end - self.start >= MIN_DURATION, "it must end later than it starts")
         _require([g.first for g in self.groups] == stops[:-1], "its groups do not cover its movers")
         _require(stops[-1] > 0, "it holds no movers; at least one is needed")
-        _require(len(self.curve) in (0, self.degree + 1), "its curves are of another degree")
+        if not self.curve:
+            return
+        _require(len(self.curve) == self.degree + 1, "its curves are of another degree")
+        points = (3,), np.float32 if self.box is None else np.uint16
+        layouts: dict[str, Any] = dict.fromkeys(CURVES[self.degree], points)
+        layouts["track"] = (), np.uint16, np.uint32
+        for name, buffer in self.buffers().items():
+            columns, *dtypes = layouts.get(name, ((4,), np.uint8))
+            check_buffer(name, buffer, (stops[-1], *columns), *dtypes)
+        has_both = (self.start_colors is None) == (self.end_colors is None)
+        _require(has_both, "one of its buffers start_color and end_color is missing")
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -149,14 +157,33 @@ class Interval:
         corners = extent(*self.curve) if self.box is None else (self.box.low, self.box.high)
         return np.array(corners[0], float), np.array(corners[1], float)
 
-    def buffers(self, index: int) -> dict[str, NDArray[Any]]:
-        """The arrays by the names of their buffers, for interval number `index`."""
-        arrays = {"track": self.tracks, **{n: getattr(self, f) for f, n in OPTIONAL.items()}}
-        arrays |= dict(zip(CURVES[self.degree], self.curve, strict=True))
-        return {f"{index:04d}/{name}": a for name, a in arrays.items() if a is not None}
+    def buffers(self) -> dict[str, NDArray[Any]]:
+        """The arrays by the names of their buffers, after the number of the interval."""
+        arrays = {"track": self.tracks, **dict(zip(CURVES[self.degree], self.curve, strict=True))}
+        optional = {name: getattr(self, field) for field, name in OPTIONAL.items()}
+        return arrays | {name: array for name, array in optional.items() if array is not None}
 
     def __len__(self) -> int:
         return len(self.tracks)
+
+
+@dataclass(frozen=True)
+class HeldOutScan:
+    """A scan that was left out of the bake, aligned with the others, for comparison."""
+
+    name: str
+    time: float
+    date: str
+    positions: NDArray[np.float32]  #: (N, 3) relative to the clip's origin
+
+
+@dataclass(frozen=True)
+class PointField:
+    """A scalar of the scans' points, such as NDVI or a temperature."""
+
+    name: str
+    values: tuple[NDArray[np.float32], ...]
+    """For each interval (N, 2): values of its movers at start and end, NaN where unknown."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,31 +217,36 @@ class Document(ClipHeader):
 
     def __post_init__(self) -> None:
         times, held_out = [[s.time for s in scans] for scans in (self.scans, self.held_out)]
-        bounds = [self.intervals[0].start, *(interval.end for interval in self.intervals)]
-        _require(all(a < b for a, b in pairwise(times)), "the scans' times do not ascend")
-        has_gaps = [interval.start for interval in self.intervals] != bounds[:-1]
-        _require(not has_gaps, "the intervals do not follow one another without a gap")
-        is_spanned = {*times} <= {*bounds} and (times[0], times[-1]) == (bounds[0], bounds[-1])
-        _require(is_spanned, "the intervals do not span the series from scan to scan")
-        _require(all(a < b for a, b in pairwise(held_out)), "the times in held_out do not ascend")
+        _require(times == sorted({*times}), "the scans' times do not ascend")
+        _require(held_out == sorted({*held_out}), "the times in held_out do not ascend")
         is_inside = all(times[0] <= time <= times[-1] for time in held_out)
         _require(is_inside, "a time in held_out lies outside the series")
+        bounds = [self.intervals[0].start, *(interval.end for interval in self.intervals)]
+        is_gapless = [interval.start for interval in self.intervals] == bounds[:-1]
+        _require(is_gapless, "the intervals do not follow one another without a gap")
+        is_spanned = {*times} <= {*bounds} and (times[0], times[-1]) == (bounds[0], bounds[-1])
+        _require(is_spanned, "the intervals do not span the series from scan to scan")
         count = len(self.tracks)
         for index, track in enumerate(self.tracks):
             is_valid = track.parent is None or index != track.parent < count
             _require(is_valid, f"tracks[{index}].parent is {track.parent}, no other track's id")
         used = max((p.track for i in self.intervals for p in i.segments), default=0)
         _require(used < count, f"a segment's track is {used}; only {count} tracks are named")
-        is_shallow = _depth(self.provenance) <= MAX_DEPTH
-        _require(is_shallow, f"provenance is nested more than {MAX_DEPTH} levels deep")
+
+
+def check_buffer(name: str, buffer: Any, shape: tuple[int, ...], *dtypes: type) -> None:
+    """Raise ValueError unless a buffer has this shape, one of the dtypes, and finite positions."""
+    needed = f"{' or '.join(np.dtype(dtype).name for dtype in dtypes)} {shape}"
+    found = "missing" if buffer is None else f"{buffer.dtype.name} {buffer.shape}"
+    is_fitting = buffer is not None and buffer.shape == shape and buffer.dtype.type in dtypes
+    _require(is_fitting, f'its buffer "{name}" is {found}; the document needs {needed}')
+    if shape[1:] == (3,) and np.float32 in dtypes and len(buffer):
+        # Comparisons with NaN, which is the minimum and maximum of an array with NaN, are False.
+        is_bounded = buffer.min() >= -MAX_NUMBER and buffer.max() <= MAX_NUMBER
+        found = f"a position that is not finite, or beyond {MAX_NUMBER:g}"
+        _require(is_bounded, f'its buffer "{name}" holds {found}')
 
 
 def _require(condition: bool, message: str) -> None:
     if not condition:
         raise ValueError(message)
-
-
-def _depth(value: Any) -> int:
-    """The depth of nested objects and lists; 0 for other values."""
-    inner = value.values() if isinstance(value, dict) else value
-    return 1 + max(map(_depth, inner), default=0) if isinstance(value, dict | list) else 0

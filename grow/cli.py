@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from baker.errors import InputError
-from gclip.terminal.command import VersionOption, in_panels, run_app
+from gclip.terminal.command import VersionOption, run_app
 
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 
@@ -41,7 +41,6 @@ class Format(StrEnum):
 
 
 @app.command(epilog="Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.")
-@in_panels(PANELS)
 def grow_command(
     kind: Annotated[
         Kind,
@@ -205,4 +204,4 @@ def _numbers(option: str, text: str) -> tuple[float, ...]:
 
 def main(argv: list[str] | None = None) -> int:
     """Run `grow` with `argv` (by default that of the process); returns the exit code."""
-    return run_app(app, "grow", argv)
+    return run_app(app, "grow", argv, PANELS)

@@ -12,7 +12,7 @@ import gclip
 import player.export
 import player.view
 import player.window
-from gclip.terminal.command import VersionOption, in_panels, run_app
+from gclip.terminal.command import VersionOption, run_app
 from gclip.terminal.progress import StageProgress
 from gclip.text import printable
 from player.errors import PlayerError
@@ -64,7 +64,6 @@ def _flag(help: str, *names: str) -> Any:
 
 
 @app.command(epilog=EPILOG + help_text())
-@in_panels(PANELS)
 def play_command(
     clip: Annotated[Path, typer.Argument(metavar="CLIP", help="A growth clip, made by `bake`.")],
     second: Annotated[
@@ -253,4 +252,4 @@ def _size(text: str) -> tuple[int, int]:
 
 def main(argv: list[str] | None = None) -> int:
     """Run `play` with arguments (the process's own by default); returns the exit code."""
-    return run_app(app, "play", argv)
+    return run_app(app, "play", argv, PANELS)

@@ -20,8 +20,7 @@ from baker.geometry.parallel import ReportProgress
 from baker.interpolation.interval_job import IntervalJob, solve_intervals
 from baker.interpolation.provenance import software
 from gclip import Interval
-from gclip.errors import ClipError, UserError
-from gclip.file import Container, read_interval
+from gclip.errors import UserError
 from gclip.terminal.atomic import atomic_file, writing
 
 
@@ -73,14 +72,13 @@ class Cache:
     def _read(self, key: str, job: IntervalJob, tracks: int) -> Interval | None:
         """The entry of a key, if it is a valid interval of the job: anyone may have written it."""
         path = self.folder / key[:2] / key
-        with suppress(OSError, msgspec.MsgspecError, ClipError):
+        with suppress(OSError, msgspec.MsgspecError):
             entry = memoryview(path.read_bytes() if path.is_file() else b"")
             if sha256(key.encode() + entry[32:]).digest() != entry[:32]:
                 return None
             found = msgspec.msgpack.decode(entry[32:], type=Interval, dec_hook=_decode_array)
-            buffers = found.buffers(0)
-            read_interval(Container("", buffers, 0), 0, found, tracks)
-            return found if (found.start, found.end) == job.times else None
+            if found.curve and (found.start, found.end) == job.times:
+                return found if found.tracks.max() < tracks else None
         return None
 
     def _write(self, key: str, interval: Interval) -> Interval:

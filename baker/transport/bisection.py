@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.compiled import compiled
+from baker.transport.compiled import compiled
 
 Ints = NDArray[np.integer]
 Floats = NDArray[np.float64]

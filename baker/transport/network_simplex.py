@@ -33,8 +33,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.transport.compiled import compiled
 from baker.transport.problem import Edges, Masses
-from gclip.compiled import compiled
 
 NO_NODE: Any = np.uint32(0xFFFFFFFF)
 TOLERANCE = 1e-12  # share of the largest cost; reduced costs above minus this are not negative

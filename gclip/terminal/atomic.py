@@ -14,20 +14,6 @@ from tempfile import TemporaryDirectory
 from gclip.errors import UserError
 
 
-def check_output(path: Path, force: bool) -> None:
-    """Raise UserError if a file can't be written, or exists and `force` is not given."""
-    folder = path.parent
-    if path.is_dir():
-        raise UserError(f"{path} is a folder; a file's name is needed.")
-    if not folder.is_dir():
-        problem = "is a file, not a folder" if folder.exists() else "does not exist"
-        raise UserError(f"{path}: {folder} {problem}.")
-    if not os.access(folder, os.W_OK):
-        raise UserError(f"{folder}: permission denied to write into this folder.")
-    if path.exists() and not force:
-        raise UserError(f"{path} exists; --force overwrites it.")
-
-
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
     """Turn errors of the file system, while `path` is written, into a UserError that names it."""
@@ -47,26 +33,38 @@ def folder_beside(path: Path) -> Iterator[Path]:
         yield Path(folder)
 
 
+def check_output(path: Path, force: bool) -> None:
+    """Raise UserError if a file can't be written, or exists and `force` is not given."""
+    if path.is_dir():
+        raise UserError(f"{path} is a folder; a file's name is needed.")
+    if path.exists() and not force:
+        raise UserError(f"{path} exists; --force overwrites it.")
+    with writing(path), folder_beside(path):
+        pass  # a file can be made there
+
+
 @contextmanager
-def atomic_file(path: Path, force: bool = True) -> Iterator[Path]:
+def atomic_file(path: Path, force: bool = True, numbered: bool = False) -> Iterator[Path]:
     """A temporary file to write, of the same name, which replaces `path` if no exception is raised.
 
-    Raises UserError if it can't be written, or if a file has appeared at `path` meanwhile, unless
-    `force` is given.
+    If it is the pattern of numbered files, such as %04d.png, they all take their places; of their
+    folder, only the last part may be missing. Raises UserError if they can't be written, or if a
+    file has appeared in the place of one meanwhile, unless `force` is given.
     """
-    with writing(path), folder_beside(path) as folder:
-        part = folder / path.name
-        yield part
-        sync(part)
+    home = path.parent
+    with writing(path), folder_beside(home if numbered and not home.exists() else path) as folder:
+        yield folder / path.name
         umask = os.umask(0)
         os.umask(umask)
-        part.chmod(0o666 & ~umask)  # the usual mode; libraries may have set another one
+        parts = sorted(folder.iterdir()) if numbered else [folder / path.name]
+        for part in parts:
+            with part.open("r+b") as written:
+                os.fsync(written.fileno())  # no renamed file is incomplete after a power cut
+            part.chmod(0o666 & ~umask)  # the usual mode; libraries may have set another one
+        if numbered:
+            home.mkdir(exist_ok=True)
         if not force:
-            check_output(path, force)
-        os.replace(part, path)
-
-
-def sync(part: Path) -> None:
-    """Flush a file to the disk, so that after a power cut no renamed file is incomplete."""
-    with part.open("r+b") as written:
-        os.fsync(written.fileno())
+            for part in parts:
+                check_output(home / part.name, force)
+        for part in parts:
+            os.replace(part, home / part.name)

@@ -62,19 +62,15 @@ def verdict(error: Exception) -> tuple[int, str]:
         return BAD_INPUT, str(error)
     if isinstance(error, MemoryError) or getattr(error, "errno", None) == errno.ENOMEM:
         return BAD_INPUT, "out of memory; try fewer points, for example with `bake --voxel SIZE`."
-    if isinstance(error, OSError) and error.filename is not None:
-        name = printable(os.fsdecode(error.filename), 200)
-        return BAD_INPUT, f"{name}: {error.strerror or error}."
-    if isinstance(error, OSError) and error.errno in LIMITS:
-        return BAD_INPUT, f"{error.strerror or error}."
+    if isinstance(error, OSError) and (error.filename is not None or error.errno in LIMITS):
+        name = f"{printable(os.fsdecode(error.filename), 200)}: " if error.filename else ""
+        return BAD_INPUT, f"{name}{error.strerror or error}."
     if isinstance(error, FileNotFoundError):  # without a file's name: from os.getcwd()
         return BAD_INPUT, "the folder that the command was started in is gone."
+    # A library of the system is missing, or a wrong environment variable was read by an import.
     reason = str(error).rstrip(".")
-    if isinstance(error, (ImportError, OSError)) and "shared object" in reason:  # from ld.so
-        return BAD_INPUT, f"a library of the system can't be loaded: {reason}."
-    # A module that is being imported read a wrong environment variable.
     codes = (frame.f_code.co_name for frame, _ in walk_tb(error.__traceback__))
-    if isinstance(error, ValueError) and "<module>" in codes:
+    if "shared object" in reason or (isinstance(error, ValueError) and "<module>" in codes):
         return BAD_INPUT, f"a library can't be loaded in this environment: {reason}."
     fault = f"internal error ({type(error).__name__}: {error}); this is a fault of the program"
     return OUR_FAULT, f"{fault}, please report it (set GCLIP_TRACEBACK=1 to see where)."
@@ -89,26 +85,6 @@ def _usage_error(error: Any) -> str:
     return f"{option} is {printable(value, 80)}; {wrong.get('ctx', {}).get('error', wrong['msg'])}"
 
 
-def in_panels(panels: dict[str, str]) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """Decorate a command so that its help groups the options in panels, without --no- switches.
-
-    panels: title -> names of the options.
-    """
-    titles = {name: panel for panel, names in panels.items() for name in names.split()}
-
-    def decorate(command: Callable[..., Any]) -> Callable[..., Any]:
-        for name, annotation in command.__annotations__.items():
-            for option in getattr(annotation, "__metadata__", ()):
-                option.rich_help_panel = titles.get(name)
-                if annotation.__origin__ is bool:
-                    option.metavar = ""  # not <bool>
-                    if option.default is ...:  # no name was given
-                        option.param_decls = (f"--{name.replace('_', '-')}",)
-        return command
-
-    return decorate
-
-
 def _print_version(context: Context, wanted: bool) -> None:
     if wanted:
         echo(f"{context.info_name} {__version__}")
@@ -120,11 +96,23 @@ VersionOption = Annotated[
 ]
 
 
-def run_app(app: Typer, command: str, argv: list[str] | None = None) -> int:
-    """Run a typer app with `argv` (by default that of the process); returns the exit code."""
+def run_app(
+    app: Typer, command: str, argv: list[str] | None = None, panels: dict[str, str] | None = None
+) -> int:
+    """Run a typer app with `argv` (by default that of the process); returns the exit code.
 
-    def work() -> int | None:
-        parser = get_command(app)
+    panels: title -> names of the options that the help groups under it. Flags that are on by
+    default have a --no- form, other ones not.
+    """
+
+    def work() -> Any:
+        parser: Any = get_command(app)
+        titles = {name: title for title, names in (panels or {}).items() for name in names.split()}
+        for option in parser.params:
+            option.rich_help_panel = titles.get(option.name)
+            if getattr(option, "is_flag", False):
+                option.metavar = ""  # not <bool>
+                option.secondary_opts = option.secondary_opts if option.default else []
         try:
             with parser.make_context(command, sys.argv[1:] if argv is None else [*argv]) as context:
                 return parser.invoke(context)

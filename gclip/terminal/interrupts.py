@@ -4,12 +4,13 @@ import signal
 import sys
 import threading
 from collections.abc import Callable
+from contextlib import ExitStack
 from itertools import takewhile
 from subprocess import Popen
 from tempfile import TemporaryDirectory
 from traceback import walk_stack
 from types import FrameType
-from typing import ParamSpec, TypeVar
+from typing import Any, ParamSpec, TypeVar
 
 Arguments = ParamSpec("Arguments")
 Result = TypeVar("Result")
@@ -42,42 +43,35 @@ def until_interrupted(work: Callable[[], int | None]) -> int | None:
     exception would be lost (in ``__del__``, or while a module is imported) or do harm (in
     `UNINTERRUPTED`). Signals that the process was started to ignore, as by nohup, stay ignored.
     """
+    if threading.current_thread() is not threading.main_thread():
+        return work()
     received: list[int] = []
-    pending: list[threading.Timer] = []
 
     def on_signal(number: int, frame: FrameType | None) -> None:
-        if received:
-            return
         codes = (outer.f_code for outer, _ in walk_stack(frame))
         running = takewhile(lambda code: code is not until_interrupted.__code__, codes)
         if any(code in UNINTERRUPTED or code.co_filename == IMPORTING for code in running):
             send_again(number)
-        else:
+        elif not received:
             received.append(number)
             raise KeyboardInterrupt(number)
 
-    def on_unraisable(dropped: "sys.UnraisableHookArgs") -> None:
+    def on_unraisable(dropped: Any) -> None:
         if received and issubclass(dropped.exc_type, KeyboardInterrupt):
             send_again(received.pop())
         else:
             hook(dropped)
 
     def send_again(number: int) -> None:
-        pending.append(threading.Timer(RETRY, SEND, [threading.main_thread().ident, number]))
-        pending[-1].start()
+        timer = threading.Timer(RETRY, SEND, [threading.main_thread().ident, number])
+        ended.callback(timer.cancel)
+        timer.start()
 
-    if threading.current_thread() is not threading.main_thread():
-        return work()
-    hook, default = sys.unraisablehook, (signal.SIG_DFL, signal.default_int_handler)
-    before = {n: signal.getsignal(n) for n in STOPS if signal.getsignal(n) in default}
-    try:
+    hook, usual = sys.unraisablehook, (signal.SIG_DFL, signal.default_int_handler)
+    with ExitStack() as ended:
+        ended.callback(setattr, sys, "unraisablehook", hook)
         sys.unraisablehook = on_unraisable
-        for number in before:
-            signal.signal(number, on_signal)
+        for number in STOPS:
+            if signal.getsignal(number) in usual:
+                ended.callback(signal.signal, number, signal.signal(number, on_signal))
         return work()
-    finally:
-        for timer in pending:
-            timer.cancel()  # once the work has ended, there is nothing to stop
-        sys.unraisablehook = hook
-        for number, handler in before.items():
-            signal.signal(number, handler)

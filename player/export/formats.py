@@ -8,12 +8,12 @@ from typing import Any
 
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file, check_output
-from player.atomic_write import atomic_files, check_sequence, is_numbered
 from player.errors import PlayerError
 from player.export import gltf, image, ply, table, usd, video
 from player.export.annotations import check as check_annotations
 from player.export.film import Film, Progress
 from player.export.web import page
+from player.output_names import check_sequence, is_numbered
 from player.view.annotations import Annotations
 from player.view.colors import Colors
 from player.view.style import Style
@@ -65,7 +65,7 @@ def export(
         check_annotations(film, clip)
     colors = Colors(clip)
     coloring = colors.clip_with_constant_colors if chosen.points else colors.clip_with_colors
-    with (atomic_files if chosen.sequence else atomic_file)(path, force) as part:
+    with atomic_file(path, force, chosen.sequence) as part:
         chosen.write(coloring(film.style), film, part, progress)
 
 

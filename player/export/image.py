@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
-from player.atomic_write import free_name, is_numbered, numbered
 from player.export.film import Film, Progress
+from player.output_names import free_name, is_numbered, numbered
 
 JPEG_SUFFIXES = (".jpg", ".jpeg")
 JPEG = {"quality": 92, "subsampling": 0}  # thin leaves keep their colour

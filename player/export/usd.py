@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from gclip import Clip, Group, Motion
 from gclip.evaluate import Layer, evaluate_layer, srgb_to_linear
-from player.atomic_write import failure
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.export.gltf import METERS
+from player.output_names import failure
 from player.view.camera import axes
 
 ZIP_EPOCH = datetime(1980, 1, 1)  # a package tells when its stage was written

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.atomic_write import failure
 from player.errors import PlayerError
 from player.export.film import Film, Progress
+from player.output_names import failure
 
 PALETTE_SAMPLES = 8  # frames, spread over the film, that a GIF's palette is made from
 MAX_GIF_FPS = 50  # browsers play shorter delays than 2/100 s slowly

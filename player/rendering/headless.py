@@ -78,7 +78,7 @@ class Offscreen:
         camera:      shows the whole series by default.
         transparent: draw the plant without a background, with unassociated alpha.
         A driver reset is answered by one new attempt, full GPU memory by one sample a pixel. Raises
-        PlayerError if that fails too, and ClipError for a file that was truncated after opening.
+        PlayerError if that fails too.
         """
         view = day, camera or self._home, style or Style(), transparent
         try:

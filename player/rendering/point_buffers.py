@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from gclip import Clip, Interval
 from gclip.evaluate import Layer, layers_at
-from gclip.file import check_not_truncated
 from player.gl.gl_errors import OutOfGpuMemory, check_context
 from player.gl.gpu_memory import total
 
@@ -111,13 +110,9 @@ class ChunkBuffers:
         check_context(context)
 
     def upload(self, stop: int) -> None:
-        """Upload the points up to the chunk's point `stop`.
-
-        Raises ClipError if the clip's file was truncated after it was opened.
-        """
+        """Upload the points up to the chunk's point `stop`."""
         some = slice(self._first + self.resident, self._first + stop)
         for (values, *_), buffer in self._buffers:
-            check_not_truncated(values)
             points = np.ascontiguousarray(values[some])
             buffer.write(points, offset=self.resident * values[:1].nbytes)
         self.resident = stop

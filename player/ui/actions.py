@@ -173,7 +173,7 @@ def correct(scene: Scene, kind: str, name: str = "") -> Scene:
     if scene.edits is None:
         return scene.with_notice(NO_EDITS)
     correction = Correction(kind, scene.chosen[:needed], name)  # type: ignore[arg-type]
-    told = sentence(correction) + ("" if name else ": bake again to see it")
+    told = f"{sentence(correction)}: bake again to see it"
     return replace(scene, edits=scene.edits.changed((*scene.edits.now, correction)), notice=told)
 
 

@@ -59,9 +59,8 @@ class Edits:
 
     @property
     def is_baked(self) -> bool:
-        """Whether the clip shows what they say; new names it shows at once."""
-        shown = [one for one in self.now if one.kind != "name" or one in self.baked]
-        return sorted(map(str, shown)) == sorted(map(str, self.baked))
+        """Whether the clip shows what they say."""
+        return sorted(map(str, self.now)) == sorted(map(str, self.baked))
 
     def changed(self, now: tuple[Correction, ...]) -> Self:
         done = self.history[: self.step + 1]

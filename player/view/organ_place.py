@@ -1,11 +1,13 @@
 """Where on an organ someone clicked: a point of a scan, in its file's own coordinates."""
 
+from collections.abc import Sequence
+from contextlib import suppress
+
 import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.corrections import Place
-from gclip.places import to_file_coordinates
 from player.view.camera import Camera
 
 UNDER_CURSOR = 0.02  # of the picture's height: what is nearest to the eye within it was clicked
@@ -29,7 +31,7 @@ def organ_place(
         if len(points):
             middle = np.linalg.norm(points - points.mean(axis=0), axis=1).argmin()
             point = points[_clicked(points, *seen) if seen else middle]
-            x, y, z = to_file_coordinates(clip, scan.name, point).tolist()
+            x, y, z, _ = np.linalg.solve(_to_local(clip, scan.name), [*point, 1.0]).tolist()
             return Place(scan.name, (x, y, z), clip.track_table[track].name)
     return None
 
@@ -42,3 +44,24 @@ def _clicked(
     distance = np.hypot(aspect * (right / scale - at[0]), up / scale - at[1])
     near = np.flatnonzero(distance <= distance.min() + UNDER_CURSOR)
     return int(near[(depth / scale)[near].argmin()])
+
+
+def _to_local(clip: Clip, scan: str) -> NDArray[np.float64]:
+    """(4, 4) transform from the coordinates in a scan's file to the clip's local coordinates."""
+    given = clip.provenance
+    wrong = (LookupError, TypeError, ValueError, OverflowError)  # provenance may hold anything
+    with suppress(*wrong), np.errstate(all="ignore"):
+        index = [entry["name"] for entry in given["inputs"]].index(scan)
+        origin = given["origins"][index] if "origins" in given else clip.origin
+        transform = np.array(given["transforms"][index], float).reshape(4, 4) @ _shift(origin)
+        transform[:, :3] *= float(given["options"]["scale"])
+        if np.isfinite(transform).all() and np.isfinite(np.linalg.inv(transform)).all():
+            return transform
+    return _shift(clip.origin)  # the clip was made by another program
+
+
+def _shift(origin: Sequence[float]) -> NDArray[np.float64]:
+    """(4, 4) transform to coordinates relative to an origin."""
+    shift = np.eye(4)
+    shift[:3, 3] -= origin
+    return shift

@@ -12,7 +12,7 @@ from typing import Any
 import glfw
 
 from gclip import Clip
-from gclip.errors import ClipError, UserError
+from gclip.errors import UserError
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
 from player.ui import actions, keys
@@ -218,11 +218,8 @@ class Window:
         still = scene.wish is not None  # a picture of all that there is
         detail = self._resolution.detail(area) if moves and not still else Detail()
         at_rest = still or not (moves or self.viewports.loading)
-        try:
-            budget = None if at_rest else LOADING
-            self.viewports.paint(area, panes, scene.style, detail, budget)
-        except ClipError as error:  # cut short while it is open: the last picture stays
-            self.scene = self.scene.with_notice(str(error))
+        budget = None if at_rest else LOADING
+        self.viewports.paint(area, panes, scene.style, detail, budget)
         screen = self._context.screen
         self.viewports.show(screen)
         if still:

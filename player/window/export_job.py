@@ -9,10 +9,10 @@ from typing import Any
 
 import gclip
 from gclip.errors import UserError
-from player.atomic_write import free_name
 from player.export.film import Film
 from player.export.formats import FORMATS, export, format_of
 from player.export.image import save_screenshot
+from player.output_names import free_name
 from player.view.camera_animation import CameraPath, save_path
 from player.view.choices import Wish
 from player.view.dates import date_at

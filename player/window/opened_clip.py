@@ -1,22 +1,24 @@
 """Clips, the files that they come from, and the corrections that are kept beside them."""
 
 import os
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
+from msgspec import ValidationError, convert
+
+import gclip
 from gclip import Clip
-from gclip.clip import open_as_baked
-from gclip.corrections import corrections_file, read_corrections, write_corrections
+from gclip.corrections import Correction, corrections_file, read_corrections, write_corrections
 from gclip.errors import UserError
-from gclip.places import baked_corrections, rename_organs
 from player.view.choices import Edits
 from player.view.state import Scene
 
 
 @dataclass(frozen=True)
 class OpenClip:
-    """A clip as it was baked, what the user calls it, and the file that it comes from, if any."""
+    """A clip, what the user calls it, and the file that it comes from, if any."""
 
     clip: Clip
     name: str
@@ -25,7 +27,7 @@ class OpenClip:
     @classmethod
     def of(cls, file: Path) -> Self:
         """Raises ClipError where it is no clip."""
-        return cls(open_as_baked(file), file.stem, file)
+        return cls(gclip.open(file), file.stem, file)
 
 
 class FileWatch:
@@ -53,15 +55,13 @@ class KeptEdits:
     """Of one clip: a file that people may edit while the window is open."""
 
     def __init__(self, opened: OpenClip) -> None:
-        self._opened, self._baked = opened.clip, baked_corrections(opened.clip)
+        self._baked = baked_corrections(opened.clip)
         self._file = None if opened.file is None else corrections_file(opened.file)
         self._watch = FileWatch(*[self._file] if self._file else [])
         self._saved: Edits | None = None
 
     def written(self, scene: Scene) -> Scene:
-        """Write what the scene changed, or take over what the file says now: the organs of the
-        scene's clip have the names that they were given.
-        """
+        """Write what the scene changed, or take over what the file says now."""
         if self._file is None:
             return scene
         edits, reads = scene.edits, self._saved is None or self._watch.changed()
@@ -70,16 +70,19 @@ class KeptEdits:
                 now = read_corrections(self._file) if self._file.exists() else ()
                 edits = replace(edits or Edits(), baked=self._baked)
                 edits = edits if now == edits.now else edits.changed(now)
-            elif edits is None or (self._saved and edits.now == self._saved.now):
-                self._saved = edits or self._saved
-                return scene
-            clips = (rename_organs(self._opened, edits.now), *scene.clips[1:])
-            if not reads:
+            elif edits and not (self._saved and edits.now == self._saved.now):
                 write_corrections(self._file, edits.now)
                 self._watch.changed()
         except UserError as error:
             edits = None if reads else self._saved
             self._saved = self._saved or Edits()
             return replace(scene, edits=edits, notice=str(error))
-        self._saved = edits
-        return replace(scene, edits=edits, clips=clips)
+        self._saved = edits or self._saved
+        return replace(scene, edits=edits)
+
+
+def baked_corrections(clip: Clip) -> tuple[Correction, ...]:
+    """The corrections that a clip was baked with, as its provenance lists them."""
+    with suppress(LookupError, TypeError, ValidationError):  # provenance may hold anything
+        return convert(clip.provenance["options"]["corrections"], tuple[Correction, ...])
+    return ()

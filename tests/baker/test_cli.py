@@ -87,7 +87,7 @@ def test_wrong_usage(capsys, out):
 def test_bad_outputs(capsys, write_scans, tmp_path):
     folder = write_scans()
     refused([folder, "-o", tmp_path / "plant.mp4"], capsys, ".gclip")
-    refused([folder, "-o", tmp_path / "nowhere" / "plant.gclip"], capsys, "nowhere", "not exist")
+    refused([folder, "-o", tmp_path / "nowhere" / "plant.gclip"], capsys, "nowhere", "No such file")
 
 
 def test_bad_inputs(capsys, write_scans, tmp_path, out):

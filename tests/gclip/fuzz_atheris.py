@@ -33,7 +33,7 @@ def main() -> int:
     import atheris
 
     with atheris.instrument_imports(include=["gclip"]):
-        for name in ("gclip.check", "gclip.evaluate"):
+        for name in ("gclip.clip", "gclip.evaluate"):
             import_module(name)
     with tempfile.TemporaryDirectory() as folder:
         look = looking(Path(folder, "case.gclip"))

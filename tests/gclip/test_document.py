@@ -7,35 +7,34 @@ import json
 import pytest
 
 import gclip
-from gclip.document import SPARE_MEMORY, footprint, read_document
+from gclip.file import Container, read_document
 from gclip.text import printable
 from tests.gclip.hostile import INJECTIONS, good_clips
 
 
 def test_a_document_is_measured_before_it_is_read() -> None:
     text = good_clips()[0][0].rstrip("}") + '},"x":[' + "[]," * 450_000 + "0]}"
-    edge = (footprint(text) - SPARE_MEMORY + 1) // 2
-    for size in (1000, edge - 1):
-        with pytest.raises(gclip.ClipError, match="far more values"):
-            read_document(text, size)
-    for size in (edge, footprint(text)):
-        with pytest.raises(gclip.ClipError, match="its document"):
-            read_document(text.replace('"up"', '"down"'), size)
+    with pytest.raises(gclip.ClipError, match="far more values"):
+        read_document(Container(text, {}, 1000))
+    with pytest.raises(gclip.ClipError, match="its document"):
+        read_document(Container(text.replace('"up"', '"down"'), {}, 100_000_000))
 
 
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ('{"a":1,"a":1}', "the same field twice"),
-        ('{"a":NaN}', "holds nan"),
-        ('{"a":-Infinity}', "holds -inf"),
-        ('{"a":1e999}', "holds -?inf"),
-        ('{"a":[[-1e999]]}', "holds -?inf"),
-        ('{"a":' + "9" * 5000 + "}", "not valid JSON: .* 5000 digits"),
-        ("[" * 100_000, "not valid JSON: .*recursion"),
+        ('{"version":"1.0","a":NaN}', "not valid JSON: .*invalid character"),
+        ('{"version":"1.0","a":-Infinity}', "not valid JSON: .*invalid character"),
+        ('{"version":"1.0","a":1e999}', "number out of range"),
+        ('{"version":"1.0","a":[[-1e999]]}', "number out of range"),
+        ('{"version":"1.0","a":' + "9" * 5000 + "}", "integer value out of range"),
+        ('{"version":"1.0","a":"\\ud800"}', "not valid JSON: "),
+        ('{"version":"1.0","a":' + "[" * 33, "not valid JSON: .*truncated"),
+        ('{"version":"1.0","a":' + "[" * 100_000, "not valid JSON: .*recursion"),
         ('{"a":' * 100_000, "not valid JSON: .*recursion"),
-        ("[1,", "not valid JSON: Expecting value: line 1 column 4"),
-        ("", "not valid JSON: Expecting value: line 1 column 1"),
+        ('{"version":', "not valid JSON: Input data was truncated"),
+        ("", "not valid JSON: Input data was truncated"),
+        ("[]", "its document: expected `object`, got `array`"),
         ("7", "its document: expected `object`, got `int`"),
         ("null", "its document: expected `object`, got `null`"),
         ("{}", "its document: object missing required field `version`"),
@@ -43,15 +42,15 @@ def test_a_document_is_measured_before_it_is_read() -> None:
 )
 def test_what_is_no_document_is_named(text: str, words: str) -> None:
     with pytest.raises(gclip.ClipError, match=words):
-        read_document(text, 1 << 20)
+        read_document(Container(text, {}, 1 << 20))
 
 
 def test_text_gives_no_orders() -> None:
-    for text in INJECTIONS:
+    for text in set(INJECTIONS) - {"\ud800"}:  # a lone surrogate is not valid JSON
         document = json.loads(good_clips()[0][0])
         document["unit"] = text[:1000]
         document["provenance"] = {text: [text, {"a": [[text]]}]}
-        read = read_document(json.dumps(document), 1 << 20)
+        read = read_document(Container(json.dumps(document), {}, 1 << 20))
         assert read.unit == printable(text[:1000])
         said = printable(text)
         assert read.provenance == {said: [said, {"a": [[said]]}]}
@@ -61,6 +60,6 @@ def test_a_refusal_is_short_and_printable() -> None:
     document = json.loads(good_clips()[0][0])
     document["up"] = "\x1b[2J" + "x" * 900
     with pytest.raises(gclip.ClipError) as refusal:
-        read_document(json.dumps(document), 1 << 20)
+        read_document(Container(json.dumps(document), {}, 1 << 20))
     assert str(refusal.value).isprintable()
     assert len(str(refusal.value)) <= 300

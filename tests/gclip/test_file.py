@@ -12,8 +12,8 @@ from safetensors import safe_open
 from safetensors.numpy import save_file
 
 import gclip
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Motion
-from gclip.pack import Movers, pack_interval
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])
@@ -50,7 +50,7 @@ def test_scans_left_out_come_back(make_clip, tmp_path):
     ("field", "value", "words"),
     [
         ("time", 9.0, "outside the series"),
-        ("points", 21, "as the document needs"),
+        ("points", 21, "the document needs float32"),
         ("name", 7, r"at held_out\[0\].name: expected `str`, got `int`"),
     ],
 )
@@ -101,6 +101,17 @@ def test_a_failed_save_keeps_the_old_clip(make_clip, tmp_path, monkeypatch):
         make_clip(degree=2).save(tmp_path / "c.gclip")
     assert (tmp_path / "c.gclip").read_bytes() == before
     assert len(list(tmp_path.iterdir())) == 1
+
+
+def test_replacing_the_file_leaves_an_open_clip_whole(make_clip, tmp_path):
+    path = tmp_path / "c.gclip"
+    make_clip().save(path)
+    clip = gclip.open(path)
+    before = clip.at(1.0).positions
+    make_clip(degree=3).save(path)
+    assert np.array_equal(clip.at(1.0).positions, before)
+    path.unlink()
+    assert np.array_equal(clip.at(1.0).positions, before)
 
 
 def test_missing_folder_is_a_sentence(make_clip, tmp_path):
@@ -159,7 +170,7 @@ LIES = {
     "up": (lie("up", "w"), "up"),
     "one scan": (lie("scans", []), "length >= 2"),
     "times descend": (lie("time", 9.0, "scans", 0), "ascend"),
-    "time is infinite": (lie("time", 1e999, "scans", 0), "holds inf"),
+    "time is infinite": (lie("time", 1e999, "scans", 0), "not valid JSON"),
     "no tracks": (lie("tracks", []), "at tracks: .* length >= 1"),
     "color": (lie("color", [0, 0, 256], "tracks", 0), "<= 255"),
     "parent": (lie("parent", 7, "tracks", 1), "parent"),
@@ -168,19 +179,19 @@ LIES = {
     "interval backwards": (lie("end", -1.0, "intervals", 0), "it must end"),
     "intervals with a gap": (lie("start", 2.5, "intervals", 1), "gap"),
     "box upside down": (lie("low", [999, 0, 0], "intervals", 0, "box"), "low corner"),
-    "box not finite": (lie("low", [float("nan"), 0, 0], "intervals", 0, "box"), "holds nan"),
+    "box not finite": (lie("low", [float("nan"), 0, 0], "intervals", 0, "box"), "not valid JSON"),
     "box missing": (lie("box", None, "intervals", 0), "float32"),
     "groups overlap": (lie("first", 3, "intervals", 1, "groups", 1), "do not cover"),
     "huge count": (lie("count", 2**40, "intervals", 0, "groups", 0), "needs"),
     "motion": (lie("motion", "dance", "intervals", 0, "groups", 0), "motion"),
     "not JSON": (lambda d, b: "{", "JSON"),
-    "deep JSON": (lambda d, b: "[" * 100_000, "JSON"),
+    "deep JSON": (lambda d, b: '{"version":' + "[" * 100_000, "expected `str`, got `array`"),
     "JSON list": (lambda d, b: "[]", "expected `object`, got `array`"),
     "missing buffer": (drop("0001/track"), "missing"),
     "buffer nobody names": (put("0009/start", np.zeros((3, 3), np.uint16)), "nothing names"),
     "foreign dtype": (put("0000/track", np.zeros(300, np.float64)), "type F64"),
     "shape": (put("0000/track", np.zeros((300, 2), np.uint16)), "needs"),
-    "track out of range": (put("0000/track", np.full(300, 2, np.uint16)), "names track 2"),
+    "track out of range": (put("0000/track", np.full(300, 2, np.uint16)), "name track 2"),
     "one color only": (put("0000/end_color", np.zeros((300, 4), np.uint8)), "missing"),
 }
 

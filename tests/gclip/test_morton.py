@@ -3,26 +3,16 @@
 import numpy as np
 import pytest
 
-from gclip.morton import block_shuffle, extent, morton_codes, morton_order
+from gclip.morton import extent, morton_codes, morton_order
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 64, 1000, 65_536])
 def test_order_is_that_of_the_leading_bits_and_equal_ones_stay(count):
-    """The equivalent in plain numpy."""
     points = np.random.default_rng(count).random((count, 3))
     points[::2] = points[0]  # many are equal
-    leading = morton_codes(points) >> np.uint64(count.bit_length())
-    np.testing.assert_array_equal(morton_order(points), np.argsort(leading, kind="stable"))
-
-
-@pytest.mark.parametrize("count", [1, 127, 128, 1000])
-def test_blocks_are_shuffled_whole(count):
-    points = np.random.default_rng(count).random((count, 3))
-    order = block_shuffle(points)
-    np.testing.assert_array_equal(np.sort(order), np.arange(count))
-    place = np.argsort(morton_order(points))[order]
-    starts = np.flatnonzero(np.diff(place, prepend=-2) != 1)
-    assert set(place[starts]) <= set(range(0, count, 128))
+    leading = (morton_codes(points) >> np.uint64(count.bit_length())).tolist()
+    order = sorted(range(count), key=lambda point: (leading[point], point))
+    np.testing.assert_array_equal(morton_order(points), order)
 
 
 def test_morton_codes_interleave_bits():
@@ -37,8 +27,9 @@ def test_morton_codes_of_the_smallest_plants(extent):
     points[:2] = [[0, 0, 0], [1, 1, 1]]
     found = morton_codes((points * extent).astype(np.float32))
     assert found[0] == 0
-    assert found[1] == found.max() == 2**63 - 1
-    if extent > 1e-36:  # below, float32 has few numbers left
+    assert found[1] == found.max()
+    if extent > 1e-30:  # smaller ones have fewer cells, down to a single one
+        assert found[1] == 2**63 - 1
         assert np.array_equal(np.argsort(found), np.argsort(morton_codes(points)))
 
 

@@ -8,13 +8,13 @@ from typing import Any
 import pytest
 
 import gclip
-from gclip.document import read_document
+from gclip.file import Container, read_document
 from gclip.schema import Document
 from tests.gclip.hostile import NUMBERS, good_clips
 
 
 def read(document: dict) -> Document:
-    return read_document(json.dumps(document), 1 << 20)
+    return read_document(Container(json.dumps(document), {}, 1 << 20))
 
 
 def changed(place: tuple, field: str, value: object) -> dict:
@@ -185,13 +185,13 @@ def test_a_newer_version_is_told_whatever_else_it_says() -> None:
         read({"version": "2.0", "scans": 7})
 
 
-def test_provenance_is_of_bounded_depth() -> None:
+def test_documents_are_of_bounded_depth() -> None:
     def nested(levels: int) -> dict:
         value: object = 1
         for _ in range(levels):
             value = [value]
         return changed((), "provenance", {"deep": value})
 
-    assert read(nested(31)).provenance
-    with pytest.raises(gclip.ClipError, match="provenance is nested more than 32 levels deep"):
-        read(nested(32))
+    assert read(nested(30)).provenance
+    with pytest.raises(gclip.ClipError, match="its document is nested more than 32 levels deep"):
+        read(nested(31))

@@ -83,7 +83,7 @@ def test_bad_wishes(saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert "no such file" in refusal(capsys, tmp_path / "absent.gclip", "--info")
     assert "not a growth clip" in refusal(capsys, notes, "--export", out)
     assert "cut short" in refusal(capsys, cut, "--export", out)
-    assert "does not exist" in refusal(capsys, saved, "--export", tmp_path / "no" / "x.mp4")
+    assert "No such file" in refusal(capsys, saved, "--export", tmp_path / "no" / "x.mp4")
     assert "1280x720" in refusal(capsys, saved, "--export", out, "--size", "big")
     assert "16" in refusal(capsys, saved, "--export", out, "--size", "0x100")
     for day in ("9", "nan", "-0.1", "Monday", "2024-05-01"):

@@ -193,7 +193,7 @@ def test_the_window_writes_any_name(make_clip: ClipMaker, nasty: str) -> None:
 
 
 def test_files_are_named_after_nothing_in_a_clip(tmp_path: Path, nasty: str) -> None:
-    from player.atomic_write import free_name
+    from player.output_names import free_name
 
     for path in (free_name(nasty, "film.mp4", tmp_path), free_name(nasty, "a/%04d.png", tmp_path)):
         assert tmp_path in path.parents

@@ -145,7 +145,7 @@ def test_a_sequence_into_a_file_is_refused(clip: Path, folder: Path, capsys: Any
     from player.cli import main
 
     assert main([str(clip), "--export", str(folder / "film.mp4" / "%04d.png"), *SMALL]) == 2
-    assert "film.mp4 is a file, not a folder" in capsys.readouterr().err
+    assert "can't be written: Not a directory" in capsys.readouterr().err
     assert intact(folder)
 
 

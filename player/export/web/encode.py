@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Interval
-from gclip.file import check_not_truncated
 
 FINE = 1 / 32  # largest step of the positions, as a share of the point spacing, where 16 bits allow
 LEVELS = 65535
@@ -23,10 +22,8 @@ def pack(interval: Interval, spacing: float) -> tuple[bytes, dict[str, Any]]:
     Returns the bytes, deflated, and how `web/clip.js` reads them: position = low + step × number,
     the bytes of a track's number, and whether there are colours and normals.
     Positions move by 1/64 of the clip's point spacing at most along each axis, or by 1/131070 of
-    the interval's side where that is more. Raises ClipError where the clip's file was cut short
-    after it was opened.
+    the interval's side where that is more.
     """
-    check_not_truncated(interval.tracks)
     curve, low, step = _quantised(interval, spacing)
     steps = np.diff(curve, axis=0, prepend=np.zeros_like(curve[:1]))
     parts = [_planes(points.astype(np.uint16)) for points in steps]

@@ -50,8 +50,12 @@ def test_of_two_bakes_at_once_the_slower_one_overwrites_nothing(
 
 def test_a_folder_that_nothing_may_be_written_into_is_refused(tmp_path, monkeypatch):
     check_output(tmp_path / "a.gclip", False, "a clip", ".gclip")
-    monkeypatch.setattr(os, "access", lambda path, mode: mode != os.W_OK)  # as for another user
-    with pytest.raises(UserError, match=f"{tmp_path}: permission denied to write into this folder"):
+
+    def refuse(*path: object) -> None:  # as for another user
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr(os, "mkdir", refuse)
+    with pytest.raises(UserError, match=r"a\.gclip can't be written: Permission denied\.$"):
         check_output(tmp_path / "a.gclip", True, "a clip", ".gclip")
 
 

@@ -15,7 +15,7 @@ from baker import InputError, bake
 from baker.cli import main
 from baker.matching.corrections import PointCorrection, with_corrected_organs
 from gclip import Clip
-from gclip.corrections import Correction, Place, corrections_file, write_corrections
+from gclip.corrections import Correction, Place, write_corrections
 from traits import Namer, write_table
 
 PLAIN = {"align": "none", "up": "z", "paths": "straight", "workers": 1}
@@ -157,30 +157,17 @@ def test_two_organs_of_one_name_are_refused(folder):
     assert track(clip, 3, organ(folder, 3, 2)) == "leaf 1"
 
 
-def test_a_clip_has_the_names_that_its_organs_were_given_since_it_was_baked(folder, tmp_path):
-    file = tmp_path / "plant.gclip"
+def test_an_organ_is_called_as_it_was_named(folder):
     # Moved, turned and scaled, as the places are in the coordinates of the scans' files.
     options = PLAIN | {"align": "icp", "scale": 2.0, "labels": "consistent"}
     clip = bake(folder, **options)
-    clip.save(file)
-    beside = corrections_file(file)
     names = [Correction("name", (place(folder, 3, 2),), "flag leaf")]
-    write_corrections(beside, names)
-    named = gclip.open(file)
+    named = bake(folder, **options, corrections=names)
     (new,) = {one.name for one in named.track_table} - {one.name for one in clip.track_table}
     assert new == "flag leaf"
     table = StringIO(newline="")
     write_table(table, Namer(named, "p"), [3.0])
     assert "flag leaf" in table.getvalue()
-    again = bake(folder, **options, corrections=names)
-    assert again.track_table == named.track_table, "the next bake calls it so, too"
-    again.save(file)
-    write_corrections(beside, [*names, Correction("name", (place(folder, 3, 2),), "uppermost")])
-    assert gclip.open(file).tracks["uppermost"].id == named.tracks["flag leaf"].id
-    write_corrections(beside, [*names, Correction("name", (place(folder, 3, 1),), "flag leaf")])
-    assert gclip.open(file).track_table == again.track_table, "no two organs of one name"
-    beside.write_text("nonsense")
-    assert gclip.open(file).track_table == again.track_table
 
 
 @pytest.mark.parametrize(

@@ -168,7 +168,7 @@ def test_a_report_that_cannot_be_written_leaves_nothing(baked, tmp_path, player_
 
 @pytest.mark.parametrize(
     ("report", "words"),
-    [("r.pdf", "ends in .html"), ("nowhere/r.html", "does not exist"), ("d.html", "is a folder")],
+    [("r.pdf", "ends in .html"), ("nowhere/r.html", "No such file"), ("d.html", "is a folder")],
 )
 def test_reports_are_refused_before_the_work(tmp_path, capsys, report, words):
     (tmp_path / "d.html").mkdir()

@@ -42,12 +42,12 @@ def raising(error: BaseException) -> Callable[[], None]:
         (
             OSError("libusb-1.0.so.0: cannot open shared object file: No such file or directory"),
             2,
-            "bake: a library of the system can't be loaded: libusb-1.0.so.0: cannot open",
+            "bake: a library can't be loaded in this environment: libusb-1.0.so.0: cannot open",
         ),
         (
             ImportError("libgfortran.so.5: failed to map segment from shared object"),
             2,
-            "bake: a library of the system can't be loaded: libgfortran.so.5: failed to map",
+            "bake: a library can't be loaded in this environment: libgfortran.so.5: failed to map",
         ),
         (ImportError("cannot import name 'x'"), 1, "internal error (ImportError: "),
         (KeyboardInterrupt(), 130, "stopped; nothing half-written"),

@@ -171,7 +171,7 @@ def test_a_film_runs_in_real_time_from_the_first_scan_to_the_last(clip: Clip) ->
     [
         ("film.avi", SMALL, ".mp4, .mov, .gif"),
         ("film", SMALL, ".mp4, .mov, .gif"),
-        ("missing/film.mp4", SMALL, "does not exist"),
+        ("missing/film.mp4", SMALL, "No such file"),
         ("film.mp4", Film(size=(63, 48)), "64x48"),
         ("film.mp4", Film(at=(1.0,)), "for pictures"),
         ("still.png", Film(at=(1.0, 2.0)), "several"),
@@ -251,5 +251,5 @@ def test_a_sequence_makes_its_own_folder_and_takes_it_back(clip: Clip, tmp_path:
     with pytest.raises(KeyboardInterrupt):
         export(clip, film, tmp_path / "stopped" / "%04d.png", stop)
     assert only(tmp_path) == ["frames"]
-    with pytest.raises(UserError, match="does not exist"):
+    with pytest.raises(UserError, match="No such file"):
         export(clip, film, tmp_path / "no" / "where" / "%04d.png", stop)

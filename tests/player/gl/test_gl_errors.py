@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -24,7 +23,7 @@ from player.view.camera import Camera
 from player.view.style import Style
 from tests.player.conftest import ClipMaker
 from tests.player.drawn import read_pixels
-from tests.player.shown import Shown, small_clip
+from tests.player.shown import Shown
 
 SIZE = (96, 72)
 
@@ -290,38 +289,3 @@ def test_a_window_whose_context_is_lost_goes_on(
     state = shown.until(lambda state: len(shown.states) > count + 5)
     assert state["ground"] == "light", "where the lost one was"
     shown.end()
-
-
-def test_a_clip_cut_short_under_the_window_is_told(display: dict[str, str], tmp_path: Path) -> None:
-    path = tmp_path / "plant.gclip"
-    small_clip().save(path)
-    whole = tmp_path / "whole.gclip"
-    shutil.copy(path, whole)
-    shown = Shown(display, path, (320, 240))
-    os.truncate(path, 5000)
-    shown.until(lambda state: "cut short" in state["notice"])
-    shutil.copy(whole, path)  # in place, as nobody should
-    shown.until(lambda state: "Baked anew" in state["notice"])
-    shown.end()
-
-
-@pytest.mark.parametrize("suffix", [".html", ".glb", ".usda", ".ply", ".csv", ".png"])
-def test_a_clip_cut_short_under_an_export_is_told(
-    make_clip: ClipMaker, tmp_path: Path, suffix: str
-) -> None:
-    """In a process that may die of it."""
-    path = tmp_path / "plant.gclip"
-    make_clip().save(path)
-    code = (
-        "import os, sys, gclip; from pathlib import Path; from player.export import Film, export\n"
-        "clip = gclip.open(sys.argv[1]); os.truncate(sys.argv[1], 0)\n"
-        "try: export(clip, Film((64, 48)), Path(sys.argv[2]))\n"
-        "except gclip.ClipError as error: sys.exit(str(error))"
-    )
-    output = tmp_path / f"out{suffix}"
-    done = subprocess.run(
-        [sys.executable, "-c", code, path, output], capture_output=True, text=True
-    )
-    assert done.returncode == 1, "a sentence, not a signal"
-    assert done.stderr.strip().endswith("cut short while it was open.")
-    assert os.listdir(tmp_path) == ["plant.gclip"]

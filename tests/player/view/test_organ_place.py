@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from gclip import Clip
-from gclip.places import baked_corrections
 from player.view.camera import Camera
 from player.view.organ_place import organ_place
+from player.window.opened_clip import baked_corrections
 from tests.player.shown import small_clip
 
+FORGED = [10**400, "x", float("nan"), float("inf"), [], {}]
 TURN = [[0.0, -1.0, 0.0, 5.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, -2.0], [0.0, 0.0, 0.0, 1.0]]
 
 
@@ -77,3 +78,18 @@ def test_a_clip_that_says_nothing_of_it_or_nonsense_is_taken_as_it_is(said: dict
     assert place is not None
     assert np.linalg.norm(clip.at(0.0).positions - place.point, axis=1).min() < 1e-5
     assert baked_corrections(clip) == ()
+
+
+@pytest.mark.parametrize("forged", FORGED, ids=lambda value: str(value)[:8])
+@pytest.mark.parametrize("field", ["transforms", "origins", "number", "scale", "options"])
+def test_provenance_may_hold_anything(clip: Clip, field: str, forged: object) -> None:
+    usual = organ_place(replace(clip, provenance={}), 1, 0.0)
+    said = dict(clip.provenance)
+    if field == "number":
+        said["transforms"] = [[[forged, 0.0, 0.0, 5.0], *TURN[1:]]] * len(clip.scans)
+    elif field == "scale":
+        said["options"] = {"scale": forged}
+    else:
+        said[field] = forged if field == "options" else [forged] * len(clip.scans)
+    assert organ_place(replace(clip, provenance=said), 1, 0.0) == usual
+    assert baked_corrections(replace(clip, provenance=said)) == ()

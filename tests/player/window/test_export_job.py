@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from player.atomic_write import free_name
 from player.export.film import Film
+from player.output_names import free_name
 from player.window.export_job import Exports
 from tests.player.conftest import ClipMaker
 from tests.player.desk import scene_of
@@ -70,7 +70,7 @@ def test_one_whose_window_was_killed_leaves_nothing_either(saved: Path) -> None:
 import sys, time
 from pathlib import Path
 from player.export.film import Film
-from player.atomic_write import free_name
+from player.output_names import free_name
 from player.window.export_job import Exports
 if __name__ == "__main__":
     folder = Path({str(saved.parent)!r})

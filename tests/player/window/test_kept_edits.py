@@ -1,4 +1,4 @@
-"""Names given in the window are the clip's at once; what can't be is told, and not written."""
+"""Corrections made in the window are written beside the clip; what can't be is told."""
 
 from __future__ import annotations
 
@@ -31,41 +31,35 @@ def called(kept: KeptEdits, scene: Scene, track: int, name: str) -> Scene:
     return kept.written(actions.correct(scene, "name", name))
 
 
-def names(scene: Scene) -> list[str]:
-    return [track.name for track in scene.clip.track_table]
-
-
-def test_names_are_seen_written_and_taken_back(opened: OpenClip) -> None:
+def test_names_are_written_and_taken_back(opened: OpenClip) -> None:
     assert opened.file is not None
     clip, file = opened.clip, corrections_file(opened.file)
-    stem, leaf = (track.name for track in clip.track_table[:2])
     scene = Scene(Timeline.of(clip.times).at(clip.times[-1]), Camera(), Camera(), Style(), (clip,))
     kept = KeptEdits(opened)
     scene = called(kept, kept.written(scene), 1, "flag")
-    assert names(scene)[:2] == [stem, "flag"]
-    assert "bake again" not in scene.notice
-    assert [track.name for track in gclip.open(opened.file).track_table] == names(scene)
+    assert scene.notice == "leaf is called flag: bake again to see it"
+    assert scene.edits is not None
+    assert not scene.edits.is_baked
     scene = called(kept, scene, 1, "tip")
-    assert names(scene)[:2] == [stem, "tip"]
-    scene = called(kept, scene, 0, "tip")
-    assert "Two organs are called 'tip'" in scene.notice
-    assert names(scene)[:2] == [stem, "tip"]
     assert [one.name for one in read_corrections(file)] == ["flag", "tip"]
-    for expected in ("flag", leaf):
+    assert scene.clip.track_table == gclip.open(opened.file).track_table == clip.track_table
+    for expected in (["flag"], []):
         scene = kept.written(keys.pressed(scene, "ctrl+z"))
-        assert names(scene)[:2] == [stem, expected]
-    assert read_corrections(file) == ()
+        assert [one.name for one in read_corrections(file)] == expected
 
 
-def test_a_file_that_names_two_organs_alike_is_told(opened: OpenClip) -> None:
+def test_a_file_that_is_edited_is_taken_over_or_told(opened: OpenClip) -> None:
     assert opened.file is not None
-    clip = opened.clip
+    clip, file = opened.clip, corrections_file(opened.file)
     scene = Scene(Timeline.of(clip.times), Camera(), Camera(), Style(), (clip,))
-    places = [organ_place(clip, track, clip.times[-1]) for track in (0, 1)]
-    alike = [Correction("name", (place,), "x") for place in places if place is not None]
-    write_corrections(corrections_file(opened.file), alike)
+    place = organ_place(clip, 1, clip.times[-1])
+    assert place is not None
+    write_corrections(file, [Correction("name", (place,), "x")])
     kept = KeptEdits(opened)
     scene = kept.written(scene)
-    assert "Two organs are called 'x'" in scene.notice
-    assert scene.clip.track_table == clip.track_table
-    assert len(read_corrections(corrections_file(opened.file))) == len(alike) == 2
+    assert scene.edits is not None
+    assert [one.name for one in scene.edits.now] == ["x"]
+    file.write_text("nonsense")
+    scene = kept.written(scene)
+    assert "is no sound TOML file" in scene.notice
+    assert file.read_text() == "nonsense"

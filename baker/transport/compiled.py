@@ -3,23 +3,17 @@
 from collections.abc import Callable
 from typing import TypeVar, cast
 
-from gclip.errors import UserError
+from numba import config, njit
+
+from baker.errors import InputError
 
 Function = TypeVar("Function", bound=Callable)
 
 
 def compiled(function: Function) -> Function:
-    """Decorate a function to be compiled at its first call and to release the GIL.
-
-    Importing numba takes a quarter of a second: import the modules that use this in functions.
-    Raises UserError if the environment disables compilation.
-    """
-    from numba import config, njit
-
+    """Decorate a function to be compiled at its first call and to release the GIL."""
     if config.DISABLE_JIT:  # type: ignore[attr-defined]
-        raise UserError(
-            "NUMBA_DISABLE_JIT is set in the environment; unset it to have loops compiled."
-        )
+        raise InputError("NUMBA_DISABLE_JIT is set in the environment; unset it.")
     try:
         return cast(Function, njit(function, nogil=True, cache=True))
     except RuntimeError:  # no folder for the cache can be written

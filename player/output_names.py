@@ -1,37 +1,15 @@
-"""Outputs that appear whole or not at all."""
+"""Names of outputs: numbered sequences, and new files for exports."""
 
-import os
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
 from glob import escape
 from itertools import count
 from pathlib import Path
 
-from gclip.terminal.atomic import check_output, folder_beside, sync, writing
+from gclip.terminal.atomic import check_output
 from player.errors import PlayerError
 
 NUMBER = re.compile(r"%0?\d*d")  # its place in the names of a sequence
 PROBE = 1 << 20  # bytes
-
-
-@contextmanager
-def atomic_files(path: Path, force: bool = True) -> Iterator[Path]:
-    """As `atomic_file`, for files numbered as the name says: all take their places in the end.
-
-    The folder that they go to is made if only itself is missing. What else is in it stays.
-    """
-    home = path.parent
-    with writing(path), folder_beside(path if home.exists() else home) as draft:
-        yield draft / path.name
-        if not force:
-            check_sequence(path, force)
-        parts = sorted(draft.iterdir())
-        for part in parts:
-            sync(part)
-        home.mkdir(exist_ok=True)
-        for part in parts:
-            os.replace(part, home / part.name)
 
 
 def is_numbered(path: Path) -> bool:
