@@ -37,3 +37,13 @@ def morton_order(points: NDArray[np.floating]) -> NDArray[np.intp]:
     """(N,) indices that sort (N, 3) points by the leading bits of their codes."""
     codes = morton_codes(points) >> np.uint64(len(points).bit_length())
     return np.argsort(codes, kind="stable")
+
+
+def block_shuffle(points: NDArray[np.floating]) -> NDArray[np.intp]:
+    """(N,) indices that sort (N, 3) points along the curve, then shuffle blocks of 128 points.
+
+    Neighbouring threads of a GPU then read neighbouring points, and any prefix is an even sample.
+    """
+    order = morton_order(points)
+    blocks = np.split(order, range(BLOCK, len(order), BLOCK))
+    return np.concatenate([blocks[i] for i in np.random.default_rng(0).permutation(len(blocks))])

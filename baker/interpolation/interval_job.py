@@ -23,7 +23,6 @@ from baker.interpolation.organ_shapes import (
     organ_attachments,
     organ_shapes,
 )
-from baker.interpolation.packing import pack_interval
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings
@@ -34,6 +33,7 @@ from baker.transport.correspondences import correspond
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
+from gclip.pack import pack_interval
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.interpolation.packing import Movers, elevate_degree
 from gclip.evaluate import bernstein
 from gclip.morton import morton_order
+from gclip.pack import Movers, elevate_degree
 
 if TYPE_CHECKING:
     from baker.interpolation.movers import OrganMovers

@@ -229,8 +229,8 @@ def _reading(kind: str, path: Path) -> Callable[[], None]:
 
 @cache
 def _clip() -> Any:
-    from baker.interpolation.packing import Movers, pack_interval
     from gclip import Clip, Motion, Track
+    from gclip.pack import Movers, pack_interval
     from gclip.schema import ScanMark
 
     movers = Movers(Motion.MOVE, (np.eye(3), np.eye(3) + 1), np.zeros(3, int))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gclip.morton import extent, morton_codes, morton_order
+from gclip.morton import block_shuffle, extent, morton_codes, morton_order
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 64, 1000, 65_536])
@@ -13,6 +13,16 @@ def test_order_is_that_of_the_leading_bits_and_equal_ones_stay(count):
     leading = (morton_codes(points) >> np.uint64(count.bit_length())).tolist()
     order = sorted(range(count), key=lambda point: (leading[point], point))
     np.testing.assert_array_equal(morton_order(points), order)
+
+
+@pytest.mark.parametrize("count", [1, 127, 128, 1000])
+def test_blocks_are_shuffled_whole(count):
+    points = np.random.default_rng(count).random((count, 3))
+    order = block_shuffle(points)
+    np.testing.assert_array_equal(np.sort(order), np.arange(count))
+    place = np.argsort(morton_order(points))[order]
+    starts = np.flatnonzero(np.diff(place, prepend=-2) != 1)
+    assert set(place[starts]) <= set(range(0, count, 128))
 
 
 def test_morton_codes_interleave_bits():

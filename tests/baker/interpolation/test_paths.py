@@ -10,10 +10,10 @@ import pytest
 from baker.interpolation.movers import OrganMovers, deviation_of, with_deviations
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import organ_shapes
-from baker.interpolation.packing import Movers
 from baker.matching import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from gclip import Motion, SegmentPair
+from gclip.pack import Movers
 from tests.baker.interpolation.shapes import leaf, sample
 
 COUNT = 600

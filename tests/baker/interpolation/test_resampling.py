@@ -9,13 +9,13 @@ import pytest
 
 from baker import Options, bake
 from baker.interpolation.movers import OrganMovers, mid_area
-from baker.interpolation.packing import Movers, elevate_degree
 from baker.interpolation.resampling import (
     MAX_OVERHANG,
     position_at,
     with_even_density,
 )
 from gclip import Motion
+from gclip.pack import Movers, elevate_degree
 
 
 def task(start, end, area=1.0, track=0, motion=Motion.MOVE):

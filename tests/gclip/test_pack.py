@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from baker.interpolation.packing import Movers, block_shuffle, elevate_degree, pack_interval
 from gclip import Motion
-from gclip.morton import BLOCK, morton_order
+from gclip.morton import BLOCK
+from gclip.pack import Movers, pack_interval
 
 
 def pack(points: np.ndarray, spacing: float, **more):
@@ -58,6 +58,7 @@ def test_track_ids_widen_when_they_must(count):
 
 def test_raising_the_degree_changes_no_curve():
     from gclip.evaluate import bernstein
+    from gclip.pack import elevate_degree
 
     curve = tuple(np.random.default_rng(0).random((3, 5, 3)))
     for low in (1, 2):
@@ -81,13 +82,3 @@ def test_movers_of_lower_degree_are_raised_to_the_highest():
     ]
     middle = interval.box.low + interval.box.step * interval.curve[1][:2]
     assert np.allclose(middle, 0.5, atol=1e-4)
-
-
-@pytest.mark.parametrize("count", [1, 127, 128, 1000])
-def test_blocks_are_shuffled_whole(count):
-    points = np.random.default_rng(count).random((count, 3))
-    order = block_shuffle(points)
-    np.testing.assert_array_equal(np.sort(order), np.arange(count))
-    place = np.argsort(morton_order(points))[order]
-    starts = np.flatnonzero(np.diff(place, prepend=-2) != 1)
-    assert set(place[starts]) <= set(range(0, count, 128))

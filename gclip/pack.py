@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.morton import BLOCK, extent, morton_order
+from gclip.morton import block_shuffle, extent
 from gclip.schema import OPTIONAL, Box, Group, Interval, Motion, SegmentPair
 
 LEVELS = 65535  # quantisation levels along each axis of the box
@@ -42,8 +42,19 @@ def pack_interval(
 ) -> Interval:
     """Pack the movers of an interval, with all curves elevated to the highest degree.
 
-    Movers of one motion form a group, sorted by `block_shuffle`. precision: "float32", or "auto":
-    16-bit integers, if their step is at most `MAX_STEP` of the point spacing.
+    Movers of one motion form a group, sorted by `block_shuffle`.
+
+    Parameters
+    ----------
+    start, end : float
+        Times of the two scans.
+    movers : sequence of Movers
+        At least one mover.
+    spacing : float
+        Median distance between neighbouring points.
+    precision : str
+        "float32", or "auto": 16-bit integers, if their step is at most `MAX_STEP` of the spacing.
+    segments : tuple of SegmentPair
     """
     degree = max(len(m.curve) - 1 for m in movers)
     movers = [m for motion in Motion for m in movers if m.motion is motion and len(m)]
@@ -73,23 +84,25 @@ def pack_interval(
 
 
 def elevate_degree(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], ...]:
-    """Elevate the degree of Bézier curves without changing them (Farin 2002, section 6.1)."""
+    """Elevate the degree of Bézier curves without changing them.
+
+    Parameters
+    ----------
+    curve : tuple of (N, 3) ndarray
+        The points of the curves: start, control points, end.
+    degree : int
+        Of the returned curves, at least that of the given ones.
+
+    References
+    ----------
+    G. Farin, Curves and Surfaces for CAGD, 2002, section 6.1.
+    """
     for low in range(len(curve) - 1, degree):
         inner = [
             (curve[i - 1] * i + curve[i] * (low + 1 - i)) / (low + 1) for i in range(1, low + 1)
         ]
         curve = (curve[0], *inner, curve[-1])
     return curve
-
-
-def block_shuffle(points: NDArray[np.floating]) -> NDArray[np.intp]:
-    """(N,) indices that sort (N, 3) points along the Morton curve, then shuffle blocks of them.
-
-    Neighbouring threads of a GPU then read neighbouring points, and any prefix is an even sample.
-    """
-    order = morton_order(points)
-    blocks = np.split(order, range(BLOCK, len(order), BLOCK))
-    return np.concatenate([blocks[i] for i in np.random.default_rng(0).permutation(len(blocks))])
 
 
 def _concatenate(arrays: Sequence[Any]) -> Any:
