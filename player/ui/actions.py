@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import player.export
 from gclip.corrections import Correction, Place
-from player.view.choices import SIZES, Compare, Wish, sentence
+from player.view.choices import SIZES, Compare, sentence
 from player.view.playback import AtEnd
 from player.view.style import ColorMap
 
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from player.view.state import Scene
 
 SMALLEST, LARGEST = 0.05, 20.0  # point sizes; the command line allows the same
-FEWEST, MOST = 1.0, 40.0  # diameter of points sized in pixels
 FREE = 0.7  # share of a window's height that a plant has for itself
 WIPE_ENDS = (0.02, 0.98)  # shares of the width that the wipe's line stays between
 NO_KEYS = "Add camera keys first: K, on two days or more."
@@ -34,7 +33,7 @@ class Choice:
 
     label: str
     field: str  #: of the scene, or of a part of it: "curve", "style.color_map"
-    values: Callable[[Scene], Sequence[Any]]
+    values: Callable[[Scene], Sequence[Any]]  #: none where there is nothing to choose
     name: Callable[[Any], str] = str  #: of a value, as the panel lists it
     #: why a value can't be chosen, and how it could; "" where it can
     lacking: Callable[[Scene, Any], str] = lambda scene, value: ""
@@ -52,6 +51,8 @@ class Choice:
     def next(self, scene: Scene) -> Scene:
         """Choose the next value that can be chosen, after the last one the first."""
         values = [value for value in self.values(scene) if not self.lacking(scene, value)]
+        if not values:
+            return scene.with_notice(f"{self.label}: there is nothing to choose.")
         return self.choose(scene, values[(values.index(self.now(scene)) + 1) % len(values)])
 
 
@@ -63,9 +64,7 @@ FIELD = Choice("Field", "style.field", lambda scene: [one.name for one in scene.
 COLOR_MAP = Choice("Colours", "style.color_map", lambda scene: list(ColorMap))
 CURVE = Choice("Plot", "curve", lambda scene: [*scene.curves, ""], lambda name: name or "nothing")
 COMPARE = Choice("Compare", "compare", lambda scene: list(Compare))
-SHADING = Choice(
-    "Shading", "style.eye_dome", lambda scene: (0.0, 1.0, 2.0), lambda share: f"{share:.0%}"
-)
+SHADING = Choice("Shading", "style.eye_dome", lambda scene: (0.0, 1.0, 2.0), "{:.0%}".format)
 AT_END = Choice("At the end", "timeline.at_end", lambda scene: list(AtEnd))
 FORMAT = Choice(
     "Export", "output.example", lambda scene: [one.example for one in player.export.FORMATS]
@@ -93,35 +92,14 @@ def look_from(scene: Scene, yaw: float, pitch: float = 0.0) -> Scene:
     return replace(scene, camera=camera, turning=False, following=False)
 
 
-def add_key(scene: Scene) -> Scene:
-    path = scene.path.with_key(scene.timeline.day, scene.camera)
-    return replace(scene, path=path, notice=f"Camera key {len(path.keys)} added")
-
-
-def remove_key(scene: Scene) -> Scene:
-    if not scene.path:
-        return scene.with_notice("There is no camera key.")
-    path = scene.path.without_key(scene.timeline.day)
-    following = scene.following and bool(path)
-    return replace(scene, path=path, following=following, notice="Camera key removed")
-
-
 def follow_path(scene: Scene) -> Scene:
     if not scene.path:
         return scene.with_notice(NO_KEYS)
     return replace(scene, following=not scene.following, turning=False)
 
 
-def save_path(scene: Scene) -> Scene:
-    return replace(scene, wish=Wish.SAVE_PATH) if scene.path else scene.with_notice(NO_KEYS)
-
-
 def resize_points(scene: Scene, factor: float) -> Scene:
-    style = scene.style
-    if style.pixels is not None:
-        pixels = min(max(style.pixels * factor, FEWEST), MOST)
-        return scene.with_style(f"Points of {pixels:.1f} pixels", pixels=pixels)
-    size = min(max(style.point_size * factor, SMALLEST), LARGEST)
+    size = min(max(scene.style.point_size * factor, SMALLEST), LARGEST)
     size = 1.0 if abs(size - 1.0) < 0.01 else size
     return scene.with_style(f"Point size {size:.0%}", point_size=size)
 
@@ -185,8 +163,8 @@ def escape(scene: Scene) -> Scene:
         return replace(scene, help=False)
     if scene.style.picked is not None or scene.style.alone is not None:
         return replace(scene.with_style(picked=None, alone=None), chosen=())
-    if scene.fullscreen and not scene.kiosk:
+    if scene.fullscreen:
         return replace(scene, fullscreen=False)
-    if scene.kiosk or scene.notice == QUIT_NEXT:
+    if scene.notice == QUIT_NEXT:
         return replace(scene, closed=True)
     return scene.with_notice(QUIT_NEXT)

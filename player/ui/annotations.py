@@ -17,7 +17,7 @@ from player.view.state import Exporting, Scene
 
 SIZE = 14.0
 AXIS = 24.0  # length of an axis
-CARD_WIDTH, PROGRESS_WIDTH = 190.0, 270.0
+CARD_WIDTH, PROGRESS_WIDTH = 160.0, 270.0  # at most of a text; of the bar
 HANDLE = 13.0  # radius of the wipe's
 DOT, BOTH_WAYS = "\uf111", "\uf337"  # icons
 
@@ -49,18 +49,17 @@ def draw_axes(pen: Pen, camera: Camera) -> None:
 
 def draw_organ(pen: Pen, organ: Track, facts: Sequence[tuple[str, str]]) -> None:
     """A card about the picked organ, on the left under the title."""
-    width = min(CARD_WIDTH, pen.size[0] - 2 * pen.insets[0])
     with card("organ", pen.insets[:2], (0.0, 0.0), pen.size[0]):
         imgui.text_colored(imgui.ImVec4(*rgb(organ.color)), DOT)
         imgui.same_line()
         with imgui_ctx.push_font(pen.bold, 16.0):
-            imgui.text_unformatted(fitted(organ.name, width - 24.0))
-        for what, value in facts:
-            imgui.text_disabled(fitted(what, width))
-            imgui.same_line()
-            value = fitted(value, width - imgui.calc_text_size(what).x - 12.0)
-            imgui.set_cursor_pos_x(12.0 + width - imgui.calc_text_size(value).x)
-            imgui.text_unformatted(value)
+            imgui.text_unformatted(fitted(organ.name, CARD_WIDTH))
+        with imgui_ctx.begin_table("facts", 2, imgui.TableFlags_.sizing_fixed_fit):
+            for what, value in facts:
+                imgui.table_next_column()
+                imgui.text_disabled(fitted(what, CARD_WIDTH))
+                imgui.table_next_column()
+                imgui.text_unformatted(fitted(value, CARD_WIDTH))
 
 
 def draw_captions(pen: Pen, panes: Sequence[Pane], bottom: float) -> None:
@@ -74,7 +73,7 @@ def draw_captions(pen: Pen, panes: Sequence[Pane], bottom: float) -> None:
             pen.write(x, middle, BOTH_WAYS, SIZE, theme.text, align=0.5)
     for number, pane in enumerate(panes):
         room = (pane.right - pane.left) * width - 24.0
-        if pane.caption and room >= 40.0:
+        if pane.caption:
             place = (pane.left + pane.right) / 2 * width, height - bottom - 15.0
             with card(f"caption {number}", place, (0.5, 0.0), width):
                 imgui.text_unformatted(fitted(pane.caption, room))
@@ -82,7 +81,6 @@ def draw_captions(pen: Pen, panes: Sequence[Pane], bottom: float) -> None:
 
 def draw_progress(pen: Pen, export: Exporting, bottom: float) -> None:
     """How far an export has come, in the middle above the timeline."""
-    width = min(PROGRESS_WIDTH, pen.size[0] - 2 * pen.insets[0])
     with card("export", (pen.size[0] / 2, pen.size[1] - bottom - 20.0), (0.5, 1.0), pen.size[0]):
-        text = f"{fitted(export.name, width - 100.0)}: E stops it"
-        imgui.progress_bar(export.done / max(export.total, 1), (width, 0.0), text)
+        text = f"{fitted(export.name, PROGRESS_WIDTH - 100.0)}: E stops it"
+        imgui.progress_bar(export.done / max(export.total, 1), (PROGRESS_WIDTH, 0.0), text)

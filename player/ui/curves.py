@@ -13,15 +13,13 @@ from player.view.state import Scene
 from traits.curves import TraitCurve
 
 HEIGHT, STRIP, BUTTON = 76.0, 96.0, 26.0  # of the plot, of all that it takes, and of its button
-LEAST = 420.0  # height of a window that has room for it
 GAP = 14.0  # between what is written and the plot
 SIZE, DOT = 14.0, 3.5
 
 
-def strip_height(scene: Scene, height: float) -> float:
+def strip_height(scene: Scene) -> float:
     """What the plot takes of a window's height, in units; 0 where nothing is plotted."""
-    plots = scene.style.picked is not None and scene.curve and not scene.kiosk
-    return STRIP if plots and height >= LEAST else 0.0
+    return STRIP if scene.style.picked is not None and scene.curve else 0.0
 
 
 def draw_curve(

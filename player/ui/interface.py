@@ -20,7 +20,6 @@ from player.ui.timeline import TimelineView
 from player.ui.widgets import bare_window, button, card
 from player.view.choices import Compare
 from player.view.colors import Colors
-from player.view.dates import date_at
 from player.view.playback import AtEnd
 from player.view.split_view import Pane
 from player.view.state import Scene
@@ -28,12 +27,10 @@ from player.view.state import Scene
 TOP, BOTTOM = 80.0, 124.0  # heights of the strips that hold title and buttons, and the timeline
 CAPTION = 36.0  # of the one that tells what is compared
 CONTROLS = 84.0  # height of what the mouse can hold in the lower one
-BUTTON, PLAY, GAP, SPEED = 32.0, 44.0, 4.0, 40.0
-TITLE = 150.0  # width that the title keeps beside the buttons
-ROOMY = (520.0, 420.0)  # smaller windows lack buttons that keys do as well, and annotations
+MARGIN, BUTTON, PLAY, GAP, SPEED = 24.0, 32.0, 44.0, 4.0, 40.0
 WIPE_REACH = 9.0  # how far from the wipe's line the mouse still takes hold of it
 
-TOOLS = (  # the last ones, as many as there is room for
+TOOLS = (
     "smaller", "larger", "turn", "picture", "fullscreen", "ground", "color", "fit", "panel", "help",
 )  # fmt: skip
 BEFORE, AFTER = ("previous", "play", "next"), ("slower", "faster", "at end")  # the timeline
@@ -86,24 +83,19 @@ class Interface:
         """
         shown, self.organs.measuring = scene, False
         self._gui.begin(size, scale, theme_of(scene.style.ground))
-        area = (size[0] - panel_width(scene, size[0]), size[1])
-        margin = 24.0 if area[0] >= ROOMY[0] else 14.0
-        below = BOTTOM + strip_height(scene, area[1])
-        below += CAPTION if len(panes) > 1 else 0.0
-        insets = (margin, TOP - 8.0, margin, below)
+        area = (size[0] - panel_width(scene), size[1])
+        below = BOTTOM + strip_height(scene) + (CAPTION if len(panes) > 1 else 0.0)
+        insets = (MARGIN, TOP - 8.0, MARGIN, below)
         pen = Pen(self._gui, imgui.get_background_draw_list(), area, insets)
         scene = self.mouse.move(scene, area)
-        if shown.kiosk:
-            self._draw_kiosk(pen, shown)
-        else:
-            _draw_veils(pen)
-            self._draw_annotations(pen, shown, panes)
-            scene = self._draw_title(pen, scene)
-            scene = self._draw_controls(pen, scene)
-            if shown.compare is Compare.WIPE:
-                scene = _draw_wipe(pen, scene)
-            if shown.panel:
-                scene = draw_panel(scene, self._gui, size, (TOP, BOTTOM))
+        _draw_veils(pen)
+        self._draw_annotations(pen, shown, panes)
+        scene = self._draw_title(pen, scene)
+        scene = self._draw_controls(pen, scene)
+        if shown.compare is Compare.WIPE:
+            scene = _draw_wipe(pen, scene)
+        if shown.panel:
+            scene = draw_panel(scene, self._gui, size)
         if shown.help:
             scene = draw_help(scene, self._gui, size)
         if shown.notice:
@@ -115,58 +107,41 @@ class Interface:
 
     def _draw_title(self, pen: Pen, scene: Scene) -> Scene:
         """The clip's name, and the buttons beside it."""
-        theme, margin = pen.theme, pen.insets[0]
-        room = int((pen.size[0] - 2 * margin - TITLE) / (BUTTON + GAP))
-        tools = TOOLS[-max(room, 1) :]
-        left = pen.size[0] - margin - _width(tools)
+        left = pen.size[0] - MARGIN - _width(TOOLS)
         with imgui_ctx.push_font(pen.bold, 20.0):
-            name = fitted(self._name, left - margin - 12.0)
-        pen.write(margin, margin + 9.0, name, 20.0, theme.text, bold=True)
-        scans, organs = len(scene.clip.scans), len(scene.clip.track_table)
-        text = fitted(f"{scans} scans, {organs} organs", left - margin - 12.0)
-        pen.write(margin, margin + 31.0, text, 15.0, theme.muted)
-        with bare_window("tools", (left, margin), (_width(tools), BUTTON)):
-            return _row(scene, tools, left, margin + BUTTON / 2)
+            name = fitted(self._name, left - MARGIN - 12.0)
+        pen.write(MARGIN, MARGIN + 9.0, name, 20.0, pen.theme.text, bold=True)
+        text = f"{len(scene.clip.scans)} scans, {len(scene.clip.track_table)} organs"
+        pen.write(MARGIN, MARGIN + 31.0, text, 15.0, pen.theme.muted)
+        with bare_window("tools", (left, MARGIN), (_width(TOOLS), BUTTON)):
+            return _row(scene, TOOLS, left, MARGIN + BUTTON / 2)
 
     def _draw_controls(self, pen: Pen, scene: Scene) -> Scene:
         """The timeline, and the buttons at both of its ends."""
-        (width, height), margin, picked = pen.size, pen.insets[0], scene.style.picked
-        roomy, middle = width >= ROOMY[0], height - 50.0  # of the timeline's line
-        before, after = (BEFORE, AFTER) if roomy else (("play",), ("at end",))
-        right = width - margin - _width(after)
+        (width, height), picked = pen.size, scene.style.picked
+        middle, right = height - 50.0, width - MARGIN - _width(AFTER)  # of the line; the buttons'
         with bare_window("controls", (0.0, height - CONTROLS), (width, CONTROLS)):
-            scene = _row(scene, before, margin, middle)
-            scene = _row(scene, after, right, middle)
-            ends = 2 * margin + _width(before), right - margin
-            if picked is not None and strip_height(scene, height):
+            scene = _row(scene, BEFORE, MARGIN, middle)
+            scene = _row(scene, AFTER, right, middle)
+            ends = 2 * MARGIN + _width(BEFORE), right - MARGIN
+            if picked is not None and scene.curve:
                 curves = self.organs.curves(picked)
                 scene = draw_curve(pen, scene, curves, ends, height - BOTTOM)
             scene = self.timeline.draw(pen, scene, ends)
-        if roomy:
-            speed, x = scene.timeline.speed, right + BUTTON + (GAP + SPEED) / 2
-            text = SPEEDS.get(speed, f"{speed:.0f}×")
-            pen.write(x, middle, text, 17.0, pen.theme.text, True, 0.5)
-            self.timeline.draw_key(pen, right + 16.0, height - 25.0)
+        speed, x = scene.timeline.speed, right + BUTTON + (GAP + SPEED) / 2
+        pen.write(x, middle, SPEEDS.get(speed, f"{speed:.0f}×"), 17.0, pen.theme.text, True, 0.5)
+        self.timeline.draw_key(pen, right + 16.0, height - 25.0)
         return scene
 
     def _draw_annotations(self, pen: Pen, scene: Scene, panes: Sequence[Pane]) -> None:
-        picked, bottom = scene.style.picked, BOTTOM + strip_height(scene, pen.size[1])
-        if len(panes) > 1:
-            draw_captions(pen, panes, bottom)
-        if pen.size[0] >= ROOMY[0] and pen.size[1] >= ROOMY[1]:
-            draw_guides(pen, scene, self._colors.color_scale(scene.style))
-            if picked is not None:
-                facts = self.organs.lines(scene.clip, picked, scene.timeline.day)
-                draw_organ(pen, scene.clip.track_table[picked], facts)
+        picked, bottom = scene.style.picked, BOTTOM + strip_height(scene)
+        draw_guides(pen, scene, self._colors.color_scale(scene.style))
+        draw_captions(pen, panes, bottom)
+        if picked is not None:
+            facts = self.organs.lines(scene.clip, picked, scene.timeline.day)
+            draw_organ(pen, scene.clip.track_table[picked], facts)
         if scene.exporting is not None:
             draw_progress(pen, scene.exporting, bottom)
-
-    def _draw_kiosk(self, pen: Pen, scene: Scene) -> None:
-        """The date, and nothing that could be pressed."""
-        x, y = pen.insets[0] + 8.0, pen.size[1] - pen.insets[0] - 16.0
-        date = date_at(scene.clip.scans, scene.timeline.day)
-        pen.write(x, y, date, 26.0, pen.theme.text, bold=True)
-        pen.write(x, y - 32.0, self._name, 17.0, pen.theme.muted)
 
 
 def _draw_veils(pen: Pen) -> None:
@@ -182,8 +157,6 @@ def _draw_wipe(pen: Pen, scene: Scene) -> Scene:
     """The line between what is compared, which the mouse moves."""
     (width, height), x = pen.size, scene.wipe * pen.size[0]
     size = (2 * WIPE_REACH, height - TOP - BOTTOM)
-    if size[1] <= 0.0:
-        return scene
     with bare_window("wipe", (x - WIPE_REACH, TOP), size):
         imgui.invisible_button("line", size)
         if imgui.is_item_active() or imgui.is_item_deactivated():

@@ -1,5 +1,6 @@
 """The timeline: its line, the scans' marks and dates, the handle with the current date."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -10,7 +11,6 @@ from player.ui.pen import Pen, fitted
 from player.ui.theme import Color, faint, packed
 from player.ui.widgets import EDGE, card
 from player.view.dates import date_at, elapsed, short_dates
-from player.view.playback import Timeline
 from player.view.state import Scene
 from traits.doubts import doubts_of
 
@@ -65,23 +65,15 @@ def labels_on(
     return [(scan, x) for scan, (x, _) in sorted(kept.items())]
 
 
-def events(clip: Clip) -> list[tuple[int, int]]:
-    """For each scan how many organs it shows for the first time, and how many no longer."""
-    return [
-        (
-            sum(t.born == scan.time and i > 0 for t in clip.track_table),
-            sum(t.lost == scan.time for t in clip.track_table),
-        )
-        for i, scan in enumerate(clip.scans)
-    ]
-
-
 class TimelineView:
     """Of one clip. held: whether the mouse drags its handle."""
 
     def __init__(self, clip: Clip) -> None:
         self._clip = clip
-        self._events = events(clip)
+        born = Counter(organ.born for organ in clip.track_table if organ.born > clip.times[0])
+        lost = Counter(organ.lost for organ in clip.track_table)
+        # For each scan how many organs it shows for the first time, and how many no longer.
+        self._events = [(born[day], lost[day]) for day in clip.times]
         self._doubts = doubts_of(clip)
         self._dates = short_dates([scan.date for scan in clip.scans])
         self.held = False
@@ -100,7 +92,7 @@ class TimelineView:
         if self.held or imgui.is_item_deactivated():  # it may be let go where it has just come to
             scene = scene.with_timeline(lambda timeline: timeline.at(line.day_at(pointed)))
         day = scene.timeline.day
-        _draw_line(pen, line, scene.timeline, hovered or self.held)
+        _draw_line(pen, line, day, hovered or self.held)
         self._draw_marks(pen, line)
         for key, _ in scene.path.keys:
             pen.sheet.add_ngon_filled((line.x_of(key), y + EVENT), 4.5, packed(pen.theme.text), 4)
@@ -159,20 +151,14 @@ class TimelineView:
         return f"looks wrong: {', '.join(dict.fromkeys(wrong))}" if wrong else ""
 
 
-def _draw_line(pen: Pen, line: Line, timeline: Timeline, lively: bool) -> None:
-    theme, sheet, y = pen.theme, pen.sheet, line.height
-    now, thick = line.x_of(timeline.day), 2.5 if lively else 1.5
-    begin, end = line.x_of(timeline.begin), line.x_of(timeline.end)
-    for left, right, paint in (
-        (line.left, line.right, theme.track),
-        (begin, max(now, begin), theme.accent),
-    ):
-        sheet.add_rect_filled((left, y - thick), (right, y + thick), packed(paint), thick)
-    if (timeline.begin, timeline.end) != (timeline.first, timeline.last):
-        for x, bracket in ((begin, "["), (end, "]")):  # about the part that is played
-            pen.write(x, y, bracket, DATE_SIZE, theme.text, align=0.5)
+def _draw_line(pen: Pen, line: Line, day: float, lively: bool) -> None:
+    theme, y, thick = pen.theme, line.height, 2.5 if lively else 1.5
+    now = line.x_of(day)
+    for right, paint in ((line.right, theme.track), (now, theme.accent)):
+        corners = (line.left, y - thick), (right, y + thick)
+        pen.sheet.add_rect_filled(*corners, packed(paint), thick)
     for time in line.times:
-        passed = time <= timeline.day
+        passed = time <= day
         _disc(pen, line.x_of(time), y, DOT + 2.0, theme.veil)
         _disc(pen, line.x_of(time), y, DOT, theme.accent if passed else theme.muted)
         if not passed:

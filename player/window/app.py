@@ -60,18 +60,14 @@ class Window:
         self._exports = Exports()
         self._measures = Measures.of(handle)
         self._dropped: list[str] = []
-        self._drawn: tuple[Scene, Measures] | None = None
-        self._view: tuple[float, Camera, Measures] | None = None
-        self._changed_at = 0.0
-        self._title, self._notice, self._notice_ends = "", "", 0.0
+        self._changed_at = self._notice_ends = 0.0
+        self._title = self._notice = ""
         bare = self._show(clips)
         camera, timeline = home_camera(bare[0], (16.0, 9.0)), Timeline.of(bare[0].times).played()
         scene = Scene(timeline, camera, camera, style, bare[:1])
         self.scene = replace(reopened(scene, bare, fresh=True), **changes)
         self._fit()
         listen(handle, self._press, self._draw_again, self._dropped.extend)
-        if self.scene.kiosk:
-            glfw.set_input_mode(handle, glfw.CURSOR, glfw.CURSOR_HIDDEN)
 
     @property
     def size(self) -> tuple[int, int]:
@@ -115,7 +111,8 @@ class Window:
         self._kept = KeptEdits(clips[0])
         self._files = FileWatch(*[one.file for one in clips if one.file is not None])
         self._fitted: tuple[float, float, float] | None = None
-        self._drawn = self._view = None
+        self._drawn: tuple[Scene, Measures] | None = None
+        self._view: tuple[float, Camera, Measures] | None = None
         return bare
 
     @property
@@ -139,6 +136,8 @@ class Window:
         if scene.following and scene.path:
             scene = replace(scene, camera=scene.path.at(scene.timeline.day))
         scene = self._exports.followed(scene)
+        if scene.wish is not None:
+            scene = self._exports.granted(scene, self.clips[0], self._area)
         if scene.notice != self._notice:
             seconds = max(NOTICE_SECONDS, READING * len(scene.notice))
             self._notice, self._notice_ends = scene.notice, now + seconds
@@ -193,12 +192,16 @@ class Window:
             glfw.set_window_title(self._handle, title)
             self._title = title
 
+    @property
+    def _area(self) -> tuple[int, int]:
+        """(width, height) in pixels of the part that shows plants."""
+        return self._measures.beside(panel_width(self.scene))
+
     def _fit(self) -> None:
         """Fit the cameras to the part of the window that a plant has."""
-        width, height = self._measures.units
-        width -= panel_width(self.scene, width)
+        width, height = (length / self._measures.scale for length in self._area)
         width *= 0.5 if self.scene.compare is Compare.BESIDE else 1.0
-        plot = strip_height(self.scene, height)
+        plot = strip_height(self.scene)
         if self._measures.visible and self._fitted != (width, height, plot):
             self._fitted = (width, height, plot)
             self.scene = fitted(self.scene, (width, height), plot)
@@ -213,21 +216,15 @@ class Window:
             return
         if not measures.visible:
             return
-        moves, area = view != self._view, measures.beside(panel_width(scene, measures.units[0]))
-        panes = panes_of(scene, [one.name for one in self.clips])
-        still = scene.wish is not None  # a picture of all that there is
-        detail = self._resolution.detail(area) if moves and not still else Detail()
-        at_rest = still or not (moves or self.viewports.loading)
+        moves, panes = view != self._view, panes_of(scene, [one.name for one in self.clips])
+        detail = self._resolution.detail(self._area) if moves else Detail()
+        budget = LOADING if moves or self.viewports.loading else None
         try:
-            budget = None if at_rest else LOADING
-            self.viewports.paint(area, panes, scene.style, detail, budget)
+            self.viewports.paint(self._area, panes, scene.style, detail, budget)
         except ClipError as error:  # cut short while it is open: the last picture stays
             self.scene = self.scene.with_notice(str(error))
         screen = self._context.screen
         self.viewports.show(screen)
-        if still:
-            pixels = self.viewports.pixels()
-            self.scene = self._exports.execute(self.scene, self.clips[0], area, pixels)
         self.scene = self._interface.draw(screen, self.scene, measures.units, measures.scale, panes)
         check_context(self._context)
         if moves:  # swapping waits for the display
@@ -240,7 +237,7 @@ class Window:
     def _pick(self) -> None:
         """Pick the organ that was clicked."""
         mouse, scale = self._interface.mouse, self._measures.scale
-        if mouse.clicked is None or self.scene.kiosk:
+        if mouse.clicked is None:
             return
         x, y = mouse.clicked
         if found := self.viewports.organ_under(self.scene, (x * scale, y * scale)):

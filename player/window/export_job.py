@@ -12,8 +12,7 @@ from gclip.errors import UserError
 from player.atomic_write import free_name
 from player.export.film import Film
 from player.export.formats import FORMATS, export, format_of
-from player.export.image import save_screenshot
-from player.view.camera_animation import CameraPath, save_path
+from player.view.camera_animation import CameraPath, load_path, save_path
 from player.view.choices import Wish
 from player.view.dates import date_at
 from player.view.state import Exporting, Scene
@@ -23,25 +22,16 @@ PATIENCE = 5.0  # seconds that a stopped export has for tidying up
 STILL = "still.png"
 
 
-class Stopped(Exception):
-    """The user stopped it."""
-
-
-def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
-    """What the process does."""
+def run(clip: str, film: Film, output: Path, events: Any) -> None:
+    """What the process does, until nobody listens to its events any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the window decides, also about Ctrl-C
-    name = Path(output).name
-
-    def progress(done: int, total: int) -> None:
-        if stop.is_set():
-            raise Stopped
-        events.send(Exporting(name, done, total))  # fails where the window is gone
-
+    name = output.name
     try:
-        export(gclip.open(clip), film, Path(output), progress)
-        ended = saved(Path(output))
-    except Stopped:
-        ended = f"Stopped: {name} was not written."
+        export(
+            gclip.open(clip), film, output,
+            lambda done, total: events.send(Exporting(name, done, total)),
+        )  # fmt: skip
+        ended = saved(output)
     except UserError as error:
         ended = str(error)
     except Exception as error:
@@ -51,8 +41,8 @@ def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
 
 
 class Exports:
-    """What the user asks for once: pictures, camera paths in files, and one export at a time, in a
-    process of its own, so that the window stays smooth.
+    """What the user asks for once: camera paths in files, and one export at a time, in a process of
+    its own, so that the window stays smooth.
 
     state: how far the export under way is, if there is one.
     """
@@ -63,16 +53,16 @@ class Exports:
 
     def begin(self, clip: Path, film: Film, output: Path) -> None:
         fresh = multiprocessing.get_context("spawn")
-        self.state, self._stop = Exporting(output.name), fresh.Event()
+        self.state, self._output = Exporting(output.name), output
         self._events, sending = fresh.Pipe(duplex=False)
-        job = (str(clip), film, str(output), sending, self._stop)
+        job = (str(clip), film, output, sending)
         self._process = fresh.Process(target=run, args=job, daemon=True)
         self._process.start()
         sending.close()
 
     def stop(self) -> None:
         """Ask the export to leave, and to leave nothing behind."""
-        self._stop.set()
+        self._events.close()
 
     def release(self) -> None:
         """Stop it now, whatever it does."""
@@ -83,53 +73,59 @@ class Exports:
 
     def followed(self, scene: Scene) -> Scene:
         """The scene with how far the export under way is, or how it ended."""
-        state = self.state
-        if state is None:
+        if self.state is None:
             return replace(scene, exporting=None)
+        left, ended = not self._process.is_alive(), ""
         try:
-            while not state.ended and self._events.poll():
-                state = self._events.recv()
-        except (EOFError, OSError):
-            state = replace(state, ended=f"Exporting {state.name} failed.")
-        if state.ended:
-            self._process.join(PATIENCE)
-        self.state = None if state.ended else state
-        return replace(scene, exporting=self.state, notice=state.ended or scene.notice)
+            while not self.state.ended and self._events.poll():
+                self.state = self._events.recv()
+            ended = self.state.ended
+        except EOFError:
+            ended = f"Exporting {self.state.name} failed."
+        except OSError:  # it was stopped
+            ended = f"Stopped: {self.state.name} was not written." if left else ""
+            if left and self._output.exists():  # all but there when it was stopped
+                ended = saved(self._output)
+        self.state = None if ended else self.state
+        return replace(scene, exporting=self.state, notice=ended or scene.notice)
 
-    def execute(
-        self, scene: Scene, opened: OpenClip, area: tuple[int, int], pixels: bytes
-    ) -> Scene:
+    def granted(self, scene: Scene, opened: OpenClip, area: tuple[int, int]) -> Scene:
         """Do what a scene wishes for; gives it without the wish, and with what came of that.
 
-        area, pixels: (width, height) in pixels of the part of the window that shows the plant, and
-                      its RGB, bottom row first.
+        area: (width, height) in pixels of the part of the window that shows the plant.
         """
         try:
-            told = self._told(scene, opened, area, pixels)
+            if scene.wish is Wish.CAMERA_KEY:
+                return _with_camera_key(scene, opened)
+            told = self._told(scene, opened, area)
         except UserError as error:
             told = str(error)
         return replace(scene, wish=None, notice=told)
 
-    def _told(self, scene: Scene, opened: OpenClip, area: tuple[int, int], pixels: bytes) -> str:
-        output, name, example = scene.output, opened.name, scene.output.example
-        if scene.wish is Wish.SAVE_PATH:
-            file = Path(f"{name}.camera.json")
-            save_path(scene.path, opened.clip, file)
-            return saved(file)
-        if scene.wish is Wish.PICTURE:
-            example = STILL
-            name += f" {date_at(opened.clip.scans, scene.timeline.day)}"
-            if opened.file is None or (output.size is None and not output.transparent):
-                return saved(save_screenshot(pixels, area, name))
+    def _told(self, scene: Scene, opened: OpenClip, area: tuple[int, int]) -> str:
+        example, name = scene.output.example, opened.name
         if opened.file is None:
             return "Only clips that were opened from a file can be exported."
-        if self.state is not None:
+        if self.state is not None and scene.wish is Wish.EXPORT:
             self.stop()
             return "Stopping …"
+        if self.state is not None:
+            return f"{self.state.name} is being exported; E stops it."
+        if scene.wish is Wish.PICTURE:
+            example, name = STILL, f"{name} {date_at(opened.clip.scans, scene.timeline.day)}"
         file, film = free_name(name, example), film_of(scene, example, area, name)
         format_of(file, film)
         self.begin(opened.file, film, file)
         return f"Exporting {file}"
+
+
+def _with_camera_key(scene: Scene, opened: OpenClip) -> Scene:
+    """The scene whose camera path has a key more, and so has the path's file."""
+    file = Path(f"{opened.name}.camera.json")
+    before = load_path(file, opened.clip) if file.exists() else scene.path
+    path = before.with_key(scene.timeline.day, scene.camera)
+    save_path(path, opened.clip, file)
+    return replace(scene, wish=None, path=path, notice=f"{saved(file)}, {len(path.keys)} keys")
 
 
 def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Film:

@@ -15,7 +15,7 @@ from player.ui.gui import BUTTONS, NOWHERE
 
 glfw: Any = untyped  # its stubs leave out what handlers are given
 
-SMALLEST = (320, 240)  # units
+SMALLEST = (800, 480)  # units: room for the panel, and for the buttons beside it
 EXPORT_INSTEAD = "`play CLIP --export film.mp4` needs none"
 
 

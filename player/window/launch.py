@@ -14,7 +14,6 @@ from gclip import Clip
 from player.errors import PlayerError
 from player.gl.gl_errors import ContextLost
 from player.gl.timers import profile_table
-from player.ui.panel import stands_beside
 from player.view.camera_animation import CameraPath, load_path
 from player.view.state import Scene
 from player.view.style import ColorMode, GroundChoice, Style
@@ -34,13 +33,11 @@ def start(
     turning: bool = False,
     path: Path | None = None,
     *,
-    kiosk: bool = False,
     profile: bool = False,
 ) -> None:
     """Play one clip, or two in step, as the command line and the last time left the window.
 
-    size, ground: None for those of the last time; path: file of a camera path to follow;
-    kiosk: full screen, over and over, nothing to press.
+    size, ground: None for those of the last time; path: file of a camera path to follow.
     Raises ClipError, and PlayerError as `show` does.
     """
     clips = [OpenClip.of(file) for file in files]
@@ -48,23 +45,19 @@ def start(
         raise PlayerError(lacking)
     last = load_settings()
     camera_path = load_path(path, clips[0].clip) if path else CameraPath()
-    beside = stands_beside((size or last.size)[0])  # else it would lie over the plant
     changes = {
         "turning": turning,
         "path": camera_path,
         "following": bool(camera_path),
-        "panel": last.panel and beside,
+        "panel": last.panel,
         "guides": last.guides,
         "legend": last.legend,
-        "kiosk": kiosk,
-        "fullscreen": kiosk,
     }
     style = replace(style, ground=ground or last.ground)
     scene, shown = show(clips, style, size=size or last.size, changes=changes, profile=profile)
-    if not kiosk:
-        kept = last.size if size or scene.fullscreen else shown
-        panel, light = scene.panel if beside else last.panel, GroundChoice(scene.style.ground)
-        save_settings(Settings(kept, panel, light, scene.guides, scene.legend))
+    kept = last.size if size or scene.fullscreen else shown
+    light = GroundChoice(scene.style.ground)
+    save_settings(Settings(kept, scene.panel, light, scene.guides, scene.legend))
 
 
 def show(

@@ -8,7 +8,6 @@ import moderngl
 from gclip import Clip
 from gclip.corrections import Place
 from player.gl.framebuffer import framebuffer, textures_of
-from player.gl.gl_errors import pictures_of
 from player.gl.shader import Passes
 from player.gl.timers import PassTimers
 from player.rendering.renderer import Renderer
@@ -133,14 +132,6 @@ class Viewports:
             screen.viewport, screen.scissor = _places(pane, size)
             self._passes.fill("blit", **textures_of(self._pictures[number]))
         screen.scissor = None  # type: ignore[assignment]
-
-    def pixels(self) -> bytes:
-        """The picture as RGB, bottom row first."""
-        assert self._painted
-        with pictures_of(self._painted[0]):
-            framebuffer = self._context.simple_framebuffer(self._painted[0], 3)
-        self.show(framebuffer)
-        return bytes(framebuffer.read(components=3, alignment=1))
 
     def release(self) -> None:
         for renderer in self._renderers.values():

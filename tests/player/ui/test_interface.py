@@ -75,7 +75,7 @@ def test_a_click_near_a_stroke_means_the_scan_that_was_left_out() -> None:
 
 
 @settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.tuples(st.floats(320, 1600), st.floats(240, 1000)))
+@given(st.tuples(st.floats(800, 1600), st.floats(480, 1000)))
 def test_controls_lie_apart_inside_the_window(
     context: moderngl.Context, size: tuple[float, float]
 ) -> None:
@@ -133,7 +133,7 @@ def test_the_plant_stays_free_until_the_help_opens(context: moderngl.Context) ->
         assert (helped != empty[0, 0]).any(axis=2).all()
 
 
-@pytest.mark.parametrize("size", [(320.0, 240.0), (640.0, 480.0), (1280.0, 720.0)])
+@pytest.mark.parametrize("size", [(800.0, 480.0), (1280.0, 720.0)])
 def test_the_help_fits_every_window(context: moderngl.Context, size: tuple[float, float]) -> None:
     clip = small_clip()
     with opened(context, clip, size=size) as desk:
@@ -250,8 +250,6 @@ def test_everything_at_once_is_drawn(
         whole = desk.pixels().copy()
         assert (drawn(desk, plain) != whole).any()
         assert (drawn(desk, scene) == whole).all()
-        kiosk = drawn(desk, replace(scene, kiosk=True, panel=True))
-        assert (kiosk[:300] == kiosk[0, 0]).all(), "nothing but the name and the date"
 
 
 def test_text_from_clips_is_only_text(

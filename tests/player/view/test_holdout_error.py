@@ -27,6 +27,7 @@ from player.view.state import Scene
 from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
 from player.window.viewports import Viewports
+from tests.player.drawn import window_pixels
 
 ERROR = Style(color_by="error")
 DAY = 1.0
@@ -87,7 +88,7 @@ def test_the_window_s_stage_shows_errors_and_goes_back(
 
     def picture(style: Style) -> np.ndarray:
         stage.paint(size, [pane], style, Detail(), None)
-        return np.frombuffer(stage.pixels(), np.uint8).reshape(120, 160, 3).astype(int)
+        return window_pixels(context, stage, size)
 
     before, errors, after = (picture(style) for style in (Style(), ERROR, Style()))
     stage.release()
@@ -127,7 +128,7 @@ def test_a_scan_left_out_is_drawn_as_it_is(context: moderngl.Context, clip: Clip
     for pane in (Pane(0, DAY, camera), Pane(0, DAY, camera, left_out=0)):
         for style in (Style(), ERROR):
             stage.paint(size, [pane], style, Detail(), None)
-            pictures.append(stage.pixels())
+            pictures.append(window_pixels(context, stage, size).tobytes())
     stage.release()
     assert len(set(pictures)) == 4
 
