@@ -6,10 +6,10 @@ import numpy as np
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Track
-from player.ui.pen import Pen, fitted
+from player.ui.pen import Pen, one_line
 from player.ui.theme import packed, rgb
 from player.ui.widgets import card
-from player.view.annotations import LINE, draw_organs, draw_ramp, draw_scale_bar
+from player.view.annotations import LINE, MAX_NAME, draw_organs, draw_ramp, draw_scale_bar
 from player.view.camera import Camera
 from player.view.colors import ValueRange
 from player.view.split_view import Pane
@@ -17,7 +17,7 @@ from player.view.state import Exporting, Scene
 
 SIZE = 14.0
 AXIS = 24.0  # length of an axis
-CARD_WIDTH, PROGRESS_WIDTH = 160.0, 270.0  # at most of a text; of the bar
+PROGRESS_WIDTH = 270.0
 HANDLE = 13.0  # radius of the wipe's
 DOT, BOTH_WAYS = "\uf111", "\uf337"  # icons
 
@@ -50,16 +50,16 @@ def draw_axes(pen: Pen, camera: Camera) -> None:
 def draw_organ(pen: Pen, organ: Track, facts: Sequence[tuple[str, str]]) -> None:
     """A card about the picked organ, on the left under the title."""
     with card("organ", pen.insets[:2], (0.0, 0.0), pen.size[0]):
-        imgui.text_colored(imgui.ImVec4(*rgb(organ.color)), DOT)
+        imgui.text_colored(rgb(organ.color), DOT)
         imgui.same_line()
         with imgui_ctx.push_font(pen.bold, 16.0):
-            imgui.text_unformatted(fitted(organ.name, CARD_WIDTH))
+            imgui.text_unformatted(one_line(organ.name, MAX_NAME))
         with imgui_ctx.begin_table("facts", 2, imgui.TableFlags_.sizing_fixed_fit):
             for what, value in facts:
                 imgui.table_next_column()
-                imgui.text_disabled(fitted(what, CARD_WIDTH))
+                imgui.text_disabled(one_line(what, MAX_NAME))
                 imgui.table_next_column()
-                imgui.text_unformatted(fitted(value, CARD_WIDTH))
+                imgui.text_unformatted(one_line(value, MAX_NAME))
 
 
 def draw_captions(pen: Pen, panes: Sequence[Pane], bottom: float) -> None:
@@ -72,15 +72,14 @@ def draw_captions(pen: Pen, panes: Sequence[Pane], bottom: float) -> None:
             pen.sheet.add_circle_filled((x, middle), HANDLE, packed(theme.card))
             pen.write(x, middle, BOTH_WAYS, SIZE, theme.text, align=0.5)
     for number, pane in enumerate(panes):
-        room = (pane.right - pane.left) * width - 24.0
         if pane.caption:
             place = (pane.left + pane.right) / 2 * width, height - bottom - 15.0
             with card(f"caption {number}", place, (0.5, 0.0), width):
-                imgui.text_unformatted(fitted(pane.caption, room))
+                imgui.text_unformatted(one_line(pane.caption, MAX_NAME))
 
 
 def draw_progress(pen: Pen, export: Exporting, bottom: float) -> None:
     """How far an export has come, in the middle above the timeline."""
     with card("export", (pen.size[0] / 2, pen.size[1] - bottom - 20.0), (0.5, 1.0), pen.size[0]):
-        text = f"{fitted(export.name, PROGRESS_WIDTH - 100.0)}: E stops it"
+        text = f"{one_line(export.name, MAX_NAME)}: E stops it"
         imgui.progress_bar(export.done / max(export.total, 1), (PROGRESS_WIDTH, 0.0), text)

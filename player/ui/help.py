@@ -27,7 +27,7 @@ def draw_help(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.window_rounding, 14.0),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (PADDING, PADDING)),
-        imgui_ctx.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*gui.theme.card)),
+        imgui_ctx.push_style_color(imgui.Col_.window_bg, gui.theme.card),
         imgui_ctx.begin("help", None, flags | imgui.WindowFlags_.always_auto_resize),
     ):
         with imgui_ctx.push_font(gui.bold, 20.0):

@@ -6,7 +6,7 @@ import moderngl
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Clip
-from player.ui import actions
+from player.ui import actions, keys
 from player.ui.annotations import draw_captions, draw_guides, draw_organ, draw_progress
 from player.ui.curves import draw_curve, strip_height
 from player.ui.gui import Gui
@@ -14,8 +14,8 @@ from player.ui.help import draw_help
 from player.ui.mouse import PlantMouse
 from player.ui.organ_info import OrganInfo
 from player.ui.panel import draw_panel, panel_width
-from player.ui.pen import Pen, fitted, one_line
-from player.ui.theme import faint, packed, theme_of
+from player.ui.pen import Pen, one_line
+from player.ui.theme import DARK, LIGHT, faint, packed
 from player.ui.timeline import TimelineView
 from player.ui.widgets import bare_window, button, card
 from player.view.choices import Compare
@@ -35,9 +35,10 @@ TOOLS = (
 )  # fmt: skip
 BEFORE, AFTER = ("previous", "play", "next"), ("slower", "faster", "at end")  # the timeline
 WIDTHS = {"play": PLAY, "slower": BUTTON + SPEED}  # other than BUTTON's
-# Font Awesome 6, by the name of the action that the button does.
+# Font Awesome 6, by the name of the action that the button does; the second one while it is on.
 ICONS = {
     "previous": "\uf048",
+    "play": "\uf04b\uf04c",
     "next": "\uf051",
     "slower": "\uf068",
     "faster": "\uf067",
@@ -47,6 +48,8 @@ ICONS = {
     "turn": "\uf2f9",
     "fit": "\uf05b",
     "picture": "\uf030",
+    "ground": "\uf185\uf186",
+    "fullscreen": "\uf065\uf066",
     "panel": "\uf1de",
     "help": "\uf128",
 }
@@ -64,8 +67,7 @@ class Interface:
     def __init__(self, gui: Gui, clip: Clip, name: str) -> None:
         self._gui, self._name = gui, name
         self._colors, self.organs = Colors(clip), OrganInfo(clip)
-        self.timeline = TimelineView(clip)
-        self.mouse = PlantMouse()
+        self.timeline, self.mouse = TimelineView(clip), PlantMouse()
         self.popup = False
 
     def draw(
@@ -82,11 +84,10 @@ class Interface:
         panes:       what is seen, from left to right.
         """
         shown, self.organs.measuring = scene, False
-        self._gui.begin(size, scale, theme_of(scene.style.ground))
+        self._gui.begin(size, scale, LIGHT if scene.style.ground == "light" else DARK)
         area = (size[0] - panel_width(scene), size[1])
         below = BOTTOM + strip_height(scene) + (CAPTION if len(panes) > 1 else 0.0)
-        insets = (MARGIN, TOP - 8.0, MARGIN, below)
-        pen = Pen(self._gui, imgui.get_background_draw_list(), area, insets)
+        pen = Pen(self._gui, area, (MARGIN, TOP - 8.0, MARGIN, below))
         scene = self.mouse.move(scene, area)
         _draw_veils(pen)
         self._draw_annotations(pen, shown, panes)
@@ -105,14 +106,25 @@ class Interface:
         self._gui.end(framebuffer)
         return scene
 
+    def _draw_annotations(self, pen: Pen, scene: Scene, panes: Sequence[Pane]) -> None:
+        picked, bottom = scene.style.picked, BOTTOM + strip_height(scene)
+        draw_guides(pen, scene, self._colors.color_scale(scene.style))
+        draw_captions(pen, panes, bottom)
+        if picked is not None:
+            facts = self.organs.lines(scene.clip, picked, scene.timeline.day)
+            draw_organ(pen, scene.clip.track_table[picked], facts)
+        if scene.exporting is not None:
+            draw_progress(pen, scene.exporting, bottom)
+
     def _draw_title(self, pen: Pen, scene: Scene) -> Scene:
         """The clip's name, and the buttons beside it."""
         left = pen.size[0] - MARGIN - _width(TOOLS)
-        with imgui_ctx.push_font(pen.bold, 20.0):
-            name = fitted(self._name, left - MARGIN - 12.0)
-        pen.write(MARGIN, MARGIN + 9.0, name, 20.0, pen.theme.text, bold=True)
-        text = f"{len(scene.clip.scans)} scans, {len(scene.clip.track_table)} organs"
-        pen.write(MARGIN, MARGIN + 31.0, text, 15.0, pen.theme.muted)
+        no_inputs = imgui.WindowFlags_.no_inputs
+        with bare_window("title", (MARGIN, MARGIN), (left - MARGIN - 12.0, 44.0), no_inputs):
+            with imgui_ctx.push_font(pen.bold, 20.0):
+                imgui.text_unformatted(one_line(self._name))
+            scans, organs = len(scene.clip.scans), len(scene.clip.track_table)
+            imgui.text_disabled(f"{scans} scans, {organs} organs")
         with bare_window("tools", (left, MARGIN), (_width(TOOLS), BUTTON)):
             return _row(scene, TOOLS, left, MARGIN + BUTTON / 2)
 
@@ -133,16 +145,6 @@ class Interface:
         self.timeline.draw_key(pen, right + 16.0, height - 25.0)
         return scene
 
-    def _draw_annotations(self, pen: Pen, scene: Scene, panes: Sequence[Pane]) -> None:
-        picked, bottom = scene.style.picked, BOTTOM + strip_height(scene)
-        draw_guides(pen, scene, self._colors.color_scale(scene.style))
-        draw_captions(pen, panes, bottom)
-        if picked is not None:
-            facts = self.organs.lines(scene.clip, picked, scene.timeline.day)
-            draw_organ(pen, scene.clip.track_table[picked], facts)
-        if scene.exporting is not None:
-            draw_progress(pen, scene.exporting, bottom)
-
 
 def _draw_veils(pen: Pen) -> None:
     """The ground's colour, to calm it behind what is written above and below."""
@@ -159,9 +161,8 @@ def _draw_wipe(pen: Pen, scene: Scene) -> Scene:
     size = (2 * WIPE_REACH, height - TOP - BOTTOM)
     with bare_window("wipe", (x - WIPE_REACH, TOP), size):
         imgui.invisible_button("line", size)
-        if imgui.is_item_active() or imgui.is_item_deactivated():
-            scene = actions.wipe_to(scene, imgui.get_mouse_pos().x / width)
-    return scene
+        held = imgui.is_item_active() or imgui.is_item_deactivated()
+        return actions.wipe_to(scene, imgui.get_mouse_pos().x / width) if held else scene
 
 
 def _draw_notice(notice: str, area: tuple[float, float]) -> None:
@@ -179,29 +180,22 @@ def _width(names: Sequence[str]) -> float:
 
 
 def _row(scene: Scene, names: Sequence[str], left: float, middle: float) -> Scene:
-    """Icon buttons in a row about a height, a large round one among them."""
-    colors, part = imgui.get_style_color_vec4, imgui.Col_
+    """Icon buttons in a row about a height, a large one among them; what is on has the accent."""
+    part, before = imgui.Col_, scene
     for name in names:
-        large = name == "play"
-        side, rounding = (PLAY, PLAY / 2) if large else (BUTTON, imgui.get_style().frame_rounding)
-        paint = (part.check_mark, part.window_bg) if large else (part.button, part.text)
+        action, side, paint = keys.ACTIONS[name], BUTTON, (part.button, part.text)
+        on = bool(action.on and action.on(before))
+        if name == "play":
+            side, paint = PLAY, (part.check_mark, part.window_bg)
+        elif on:
+            paint = (part.button, part.check_mark)
+        icon = AT_END[scene.timeline.at_end] if name == "at end" else ICONS[name][-1 if on else 0]
+        ground, text = map(imgui.get_style_color_vec4, paint)
         imgui.set_cursor_screen_pos((left, middle - side / 2))
         with (
-            imgui_ctx.push_style_var(imgui.StyleVar_.frame_rounding, rounding),
-            imgui_ctx.push_style_color(part.button, colors(paint[0])),
-            imgui_ctx.push_style_color(part.text, colors(paint[1])),
+            imgui_ctx.push_style_color(part.button, ground),
+            imgui_ctx.push_style_color(part.text, text),
         ):
-            scene = button(scene, name, _icon(name, scene), (side, side))
+            scene = button(scene, name, icon, (side, side))
         left += WIDTHS.get(name, BUTTON) + GAP
     return scene
-
-
-def _icon(name: str, scene: Scene) -> str:
-    timeline = scene.timeline
-    return {
-        **ICONS,
-        "play": "\uf04c" if timeline.playing else "\uf04b",
-        "at end": AT_END[timeline.at_end],
-        "ground": "\uf185" if scene.style.ground == "dark" else "\uf186",
-        "fullscreen": "\uf066" if scene.fullscreen else "\uf065",
-    }[name]

@@ -100,7 +100,8 @@ def _choose(name: str, keys: str, help: str, choice: Choice) -> Action:
 
 TABLE: dict[str, tuple[Action, ...]] = {
     "Time": (
-        Action("play", "space", "play, pause", lambda s: s.with_timeline(Timeline.toggled)),
+        Action("play", "space", "play, pause", lambda s: s.with_timeline(Timeline.toggled),
+               on=lambda s: s.timeline.playing),
         *_clock("back|on", "left|right", "back, on a little",
                 lambda t, sign: t.moved(sign * NUDGE * (t.last - t.first))),
         *_clock("frame back|frame on", ",|.", "one frame back, on",

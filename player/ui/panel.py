@@ -7,7 +7,7 @@ from imgui_bundle import imgui, imgui_ctx
 from player.ui import actions, keys
 from player.ui.actions import Choice
 from player.ui.gui import Gui
-from player.ui.pen import fitted
+from player.ui.pen import one_line
 from player.ui.theme import CLEAR, rgb
 from player.ui.widgets import tip
 from player.view.choices import sentence
@@ -118,7 +118,7 @@ def _corrections(scene: Scene) -> Scene:
                     kept = (*edits.now[:row], *edits.now[row + 1 :])
                     scene = replace(scene, edits=edits.changed(kept))
             imgui.same_line()
-            imgui.text_unformatted(fitted(sentence(one), imgui.get_content_region_avail().x))
+            imgui.text_unformatted(one_line(sentence(one)))
             imgui.set_item_tooltip(", ".join(place.scan for place in one.places))
         if edits and not edits.is_baked:
             imgui.text_wrapped("Bake again, as before and with --force, to see it.")
@@ -136,7 +136,7 @@ def _organs(scene: Scene) -> Scene:
     clipper.begin(len(scene.clip.track_table))
     while clipper.step():
         for number in range(clipper.display_start, clipper.display_end):
-            with imgui_ctx.push_id(number):
+            with imgui_ctx.push_id(str(number)):
                 scene = _organ(scene, number)
     return scene
 
@@ -144,7 +144,7 @@ def _organs(scene: Scene) -> Scene:
 def _name(scene: Scene, picked: int) -> Scene:
     now, flags = scene.clip.track_table[picked].name, imgui.InputTextFlags_
     imgui.set_next_item_width(-1.0)
-    with imgui_ctx.push_id(picked):
+    with imgui_ctx.push_id(str(picked)):
         how = flags.enter_returns_true | flags.auto_select_all
         entered, name = imgui.input_text_with_hint("##called", "name of the organ", now, how)
     is_new = entered and name.strip() not in ("", now)
@@ -157,7 +157,7 @@ def _organ(scene: Scene, number: int) -> Scene:
     if _icon(SEEN if visible else HIDDEN):
         scene = scene.with_style(hidden=style.hidden ^ {number}, alone=None)
     imgui.same_line()
-    imgui.text_colored(imgui.ImVec4(*rgb(organ.color, 1.0 if visible else 0.3)), DOT)
+    imgui.text_colored(rgb(organ.color, 1.0 if visible else 0.3), DOT)
     imgui.same_line()
     left, paint = imgui.get_cursor_pos_x(), imgui.get_style_color_vec4(imgui.Col_.header_active)
     with imgui_ctx.push_style_color(imgui.Col_.header, paint):
@@ -166,7 +166,7 @@ def _organ(scene: Scene, number: int) -> Scene:
             scene = actions.pick(scene, number, place, imgui.get_io().key_shift)
     imgui.same_line(left)
     text = imgui.text_unformatted if visible else imgui.text_disabled
-    text(fitted(organ.name, imgui.get_content_region_avail().x))
+    text(one_line(organ.name))
     return scene
 
 
@@ -179,5 +179,5 @@ SECTIONS = {
 
 def _icon(icon: str) -> bool:
     """A button that is an icon; whether it is pressed."""
-    with imgui_ctx.push_style_color(imgui.Col_.button, imgui.ImVec4(*CLEAR)):
+    with imgui_ctx.push_style_color(imgui.Col_.button, CLEAR):
         return bool(imgui.small_button(icon))

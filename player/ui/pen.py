@@ -12,29 +12,25 @@ MAX_LINE = 200  # characters of any one line
 class Pen:
     """A `player.view.annotations.Pen`, and for the interface's own shapes.
 
-    sheet:  ImGui's draw list.
+    sheet:  ImGui's draw list, behind all of its windows.
     size:   (width, height) of the picture that annotations stand in, in units.
     insets: (left, top, right, bottom) that they keep from its edges.
     """
 
     def __init__(
-        self,
-        gui: Gui,
-        sheet: imgui.ImDrawList,
-        size: tuple[float, float],
-        insets: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
+        self, gui: Gui, size: tuple[float, float], insets: tuple[float, float, float, float]
     ) -> None:
-        self.theme, self.sheet, self.size, self.insets = gui.theme, sheet, size, insets
+        self.theme, self.size, self.insets = gui.theme, size, insets
+        self.sheet = imgui.get_background_draw_list()
         self._plain, self.bold = imgui.get_font(), gui.bold
 
     def text(
         self, x: float, y: float, text: str, size: float, bold: bool = False, muted: bool = False
     ) -> None:
         """As `player.view.annotations.Pen` says; over the plant, so with a halo."""
-        color = self.theme.muted if muted else self.theme.text
         left, top = self._corner(x, y, self.width(one_line(text), size, bold), size)
+        halo, color = faint(self.theme.veil, 0.3), self.theme.muted if muted else self.theme.text
         for right, down in ((-1, 0), (1, 0), (0, -1), (0, 1)):
-            halo = faint(self.theme.veil, 0.3)
             self.write(left + right, top + down + size / 2, text, size, halo, bold)
         self.write(left, top + size / 2, text, size, color, bold)
 
@@ -45,15 +41,9 @@ class Pen:
         self.sheet.add_rect_filled((x, y), (x + width, y + height), packed(paint))
 
     def write(
-        self,
-        x: float,
-        y: float,
-        text: str,
-        size: float,
-        color: Color,
-        bold: bool = False,
-        align: float = 0.0,
-    ) -> None:
+        self, x: float, y: float, text: str, size: float, color: Color,
+        bold: bool = False, align: float = 0.0,
+    ) -> None:  # fmt: skip
         """A line about the height `y`; `align` 0 starts, 0.5 centres, 1 ends it at `x`."""
         text, font = one_line(text), self.bold if bold else self._plain
         left = x - align * self.width(text, size, bold)
@@ -73,18 +63,10 @@ class Pen:
         )
 
 
-def fitted(text: str, room: float) -> str:
-    """The text, or as much of it as `room` holds in ImGui's present font, with an ellipsis."""
-    text = one_line(text)
-    if imgui.calc_text_size(text).x <= room:
-        return text
-    while text and imgui.calc_text_size(text + "…").x > room:
-        text = text[:-1]
-    return text.rstrip() + "…" if text else ""
-
-
 def one_line(text: str, longest: int = MAX_LINE) -> str:
-    """Line breaks and control characters as spaces; icons (private use) stay."""
+    """As much of a text as may be seen, line breaks and control characters as spaces; icons
+    (private use) stay.
+    """
     if len(text) > longest:
         text = text[: longest - 1] + "…"
     return "".join(c if c.isprintable() or "\ue000" <= c <= "\uf8ff" else " " for c in text)

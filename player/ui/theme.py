@@ -1,37 +1,37 @@
 """The colours of what lies over the plant, one set for each ground, and Dear ImGui in them."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
 from player.view.style import GROUNDS
 
-Color = tuple[float, float, float, float]  # sRGB and alpha, 0 to 1
+Color = imgui.ImVec4  # sRGB and alpha, 0 to 1
 
-CLEAR = (0.0, 0.0, 0.0, 0.0)
+CLEAR = Color(0.0, 0.0, 0.0, 0.0)
 PADDING = 16.0  # of the panel, right and left
+
+
+def rgb(channels: Iterable[int], alpha: float = 1.0) -> Color:
+    """A colour from numbers up to 255."""
+    red, green, blue = (channel / 255 for channel in channels)
+    return Color(red, green, blue, alpha)
 
 
 def color(hexadecimal: str, alpha: float = 1.0) -> Color:
     """A colour from "#rrggbb"."""
-    red, green, blue = bytes.fromhex(hexadecimal[1:])
-    return rgb((red, green, blue), alpha)
-
-
-def rgb(channels: tuple[int, int, int], alpha: float = 1.0) -> Color:
-    """A colour from numbers up to 255."""
-    red, green, blue = (channel / 255 for channel in channels)
-    return red, green, blue, alpha
+    return rgb(bytes.fromhex(hexadecimal[1:]), alpha)
 
 
 def faint(color: Color, alpha: float) -> Color:
     """The same colour, less opaque."""
-    return (*color[:3], alpha)
+    return Color(color.x, color.y, color.z, alpha)
 
 
 def packed(color: Color) -> int:
     """As ImGui's draw lists take it."""
-    return int(imgui.get_color_u32(imgui.ImVec4(*color)))
+    return int(imgui.get_color_u32(color))
 
 
 @dataclass(frozen=True)
@@ -52,29 +52,14 @@ class Theme:
         return faint(self.text, 0.24)
 
 
-DARK = Theme(
-    text=color(GROUNDS["dark"].text),
-    muted=color(GROUNDS["dark"].muted),
-    accent=color("#7ddb8c"),
-    card=color("#1d2624", 0.96),
-    loss=color("#e8a06a"),
-    veil=color("#0d1213"),
-    axes=(color("#f07b80"), color("#7ccb7c"), color("#7ba6f2")),
-)
-
-LIGHT = Theme(
-    text=color(GROUNDS["light"].text),
-    muted=color(GROUNDS["light"].muted),
-    accent=color("#1f8a4c"),
-    card=color("#fdfdfb", 0.97),
-    loss=color("#b8581c"),
-    veil=color("#e3e4e0"),
-    axes=(color("#b3262d"), color("#227a22"), color("#2257b8")),
-)
+def _theme(ground: str, accent: str, card: str, loss: str, veil: str, *axes: str) -> Theme:
+    text, muted = color(GROUNDS[ground].text), color(GROUNDS[ground].muted)
+    x, y, z = map(color, axes)
+    return Theme(text, muted, color(accent), color(card, 0.96), color(loss), color(veil), (x, y, z))
 
 
-def theme_of(ground: str) -> Theme:
-    return LIGHT if ground == "light" else DARK
+DARK = _theme("dark", "#7ddb8c", "#1d2624", "#e8a06a", "#0d1213", "#f07b80", "#7ccb7c", "#7ba6f2")
+LIGHT = _theme("light", "#1f8a4c", "#fdfdfb", "#b8581c", "#e3e4e0", "#b3262d", "#227a22", "#2257b8")
 
 
 def dress(style: imgui.Style, theme: Theme) -> None:
@@ -102,5 +87,4 @@ def dress(style: imgui.Style, theme: Theme) -> None:
         ),
     ):
         for part in parts.split():
-            if hasattr(imgui.Col_, part):  # older versions have no checkbox_selected_bg
-                style.set_color_(getattr(imgui.Col_, part), imgui.ImVec4(*paint))
+            style.set_color_(getattr(imgui.Col_, part), paint)

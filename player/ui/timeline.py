@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Clip
-from player.ui.pen import Pen, fitted
+from player.ui.pen import Pen, one_line
 from player.ui.theme import Color, faint, packed
 from player.ui.widgets import EDGE, card
+from player.view.annotations import MAX_NAME
 from player.view.dates import date_at, elapsed, short_dates
 from player.view.state import Scene
 from traits.doubts import doubts_of
@@ -171,19 +172,16 @@ def _draw_line(pen: Pen, line: Line, day: float, lively: bool) -> None:
 
 def _draw_bubble(pen: Pen, line: Line, day: float, date: str, side: str) -> None:
     """The date over a day, and beside it what else is to be told."""
-    x, bottom, width = line.x_of(day), line.height - BUBBLE_ABOVE, pen.size[0]
+    x, bottom = line.x_of(day), line.height - BUBBLE_ABOVE
     corners = (x - 6.0, bottom), (x + 6.0, bottom), (x, bottom + 6.0)
     pen.sheet.add_triangle_filled(*corners, packed(pen.theme.card))
-    with card("bubble", (x, bottom), (0.5, 1.0), width):
-        room = width - 2 * EDGE - 30.0
+    with card("bubble", (x, bottom), (0.5, 1.0), pen.size[0]):
         with imgui_ctx.push_font(pen.bold, DATE_SIZE):
-            date = fitted(date, room)
-            imgui.text_unformatted(date)
-            room -= imgui.calc_text_size(date).x
+            imgui.text_unformatted(one_line(date, MAX_NAME))
         if side:
             imgui.same_line()
             imgui.set_cursor_pos_y(imgui.get_cursor_pos_y() + 4.0)  # on the date's line
-            imgui.text_disabled(fitted(side, room))
+            imgui.text_disabled(one_line(side, 2 * MAX_NAME))
 
 
 def _disc(pen: Pen, x: float, y: float, radius: float, color: Color) -> None:

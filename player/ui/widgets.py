@@ -36,18 +36,12 @@ def tip(name: str) -> None:
         imgui.set_item_tooltip(f"{action.help}  ({', '.join(action.labels)})")
 
 
-def button(scene: Scene, name: str, label: str, size: tuple[float, float] = (0.0, 0.0)) -> Scene:
-    """A button that does an action; gives the scene as it changed it.
-
-    What is on has the accent's colour.
-    """
-    action = keys.ACTIONS[name]
-    part = imgui.Col_.check_mark if action.on and action.on(scene) else imgui.Col_.text
-    color = imgui.get_style_color_vec4(part)
-    with imgui_ctx.push_id(name), imgui_ctx.push_style_color(imgui.Col_.text, color):
+def button(scene: Scene, name: str, label: str, size: tuple[float, float]) -> Scene:
+    """A button that does an action; gives the scene as it changed it."""
+    with imgui_ctx.push_id(name):
         pressed = imgui.button(label, size)
     tip(name)
-    return action.do(scene) if pressed else scene
+    return keys.ACTIONS[name].do(scene) if pressed else scene
 
 
 @contextmanager
@@ -60,7 +54,8 @@ def bare_window(
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (0.0, 0.0)),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_min_size, (1.0, 1.0)),
-        imgui_ctx.push_style_color(imgui.Col_.button, imgui.ImVec4(*CLEAR)),
+        imgui_ctx.push_style_var(imgui.StyleVar_.frame_rounding, 22.0),
+        imgui_ctx.push_style_color(imgui.Col_.button, CLEAR),
         imgui_ctx.begin(name, None, BARE | flags),
     ):
         yield

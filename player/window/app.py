@@ -60,8 +60,7 @@ class Window:
         self._exports = Exports()
         self._measures = Measures.of(handle)
         self._dropped: list[str] = []
-        self._changed_at = self._notice_ends = 0.0
-        self._title = self._notice = ""
+        self._changed_at, self._notice, self._notice_ends = 0.0, "", 0.0
         bare = self._show(clips)
         camera, timeline = home_camera(bare[0], (16.0, 9.0)), Timeline.of(bare[0].times).played()
         scene = Scene(timeline, camera, camera, style, bare[:1])
@@ -112,7 +111,6 @@ class Window:
         self._files = FileWatch(*[one.file for one in clips if one.file is not None])
         self._fitted: tuple[float, float, float] | None = None
         self._drawn: tuple[Scene, Measures] | None = None
-        self._view: tuple[float, Camera, Measures] | None = None
         return bare
 
     @property
@@ -186,11 +184,6 @@ class Window:
         switch_fullscreen(self._handle, self.scene.fullscreen)
         self._measures = Measures.of(self._handle)
         self._fit()
-        date = date_at(self.scene.clip.scans, self.scene.timeline.day)
-        title = f"{date} · {self.clips[0].name}"
-        if title != self._title:
-            glfw.set_window_title(self._handle, title)
-            self._title = title
 
     @property
     def _area(self) -> tuple[int, int]:
@@ -209,28 +202,29 @@ class Window:
     def _draw(self) -> None:
         """Draw the next picture, if it may differ from the last one."""
         scene, measures, now = self.scene, self._measures, glfw.get_time()
-        view = scene.timeline.day, scene.camera, measures
         if (scene, measures) != self._drawn or self._gui.pending:
             self._changed_at = now
         elif not self._lively:
             return
         if not measures.visible:
             return
-        moves, panes = view != self._view, panes_of(scene, [one.name for one in self.clips])
+        moves = self._drawn is None or _view(*self._drawn) != _view(scene, measures)
+        panes = panes_of(scene, [one.name for one in self.clips])
         detail = self._resolution.detail(self._area) if moves else Detail()
         budget = LOADING if moves or self.viewports.loading else None
         try:
             self.viewports.paint(self._area, panes, scene.style, detail, budget)
         except ClipError as error:  # cut short while it is open: the last picture stays
             self.scene = self.scene.with_notice(str(error))
-        screen = self._context.screen
+        screen, date = self._context.screen, date_at(scene.clip.scans, scene.timeline.day)
         self.viewports.show(screen)
         self.scene = self._interface.draw(screen, self.scene, measures.units, measures.scale, panes)
         check_context(self._context)
         if moves:  # swapping waits for the display
             self._resolution.frame_took(max(glfw.get_time() - now, self.viewports.gpu_seconds))
         glfw.swap_buffers(self._handle)
-        self._drawn, self._view = (scene, measures), view
+        glfw.set_window_title(self._handle, f"{date} · {self.clips[0].name}")
+        self._drawn = scene, measures
         self._pick()
         self._watch(self.scene)
 
@@ -248,3 +242,8 @@ class Window:
         self._drawn = None
         self._follow_window()
         self._draw()
+
+
+def _view(scene: Scene, measures: Measures) -> tuple[float, Camera, Measures]:
+    """What it takes a new picture of the plant to follow smoothly."""
+    return scene.timeline.day, scene.camera, measures

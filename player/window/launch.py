@@ -45,19 +45,13 @@ def start(
         raise PlayerError(lacking)
     last = load_settings()
     camera_path = load_path(path, clips[0].clip) if path else CameraPath()
-    changes = {
-        "turning": turning,
-        "path": camera_path,
-        "following": bool(camera_path),
-        "panel": last.panel,
-        "guides": last.guides,
-        "legend": last.legend,
-    }
+    kept = {name: getattr(last, name) for name in ("panel", "guides", "legend")}
+    changes = {"turning": turning, "path": camera_path, "following": bool(camera_path), **kept}
     style = replace(style, ground=ground or last.ground)
     scene, shown = show(clips, style, size=size or last.size, changes=changes, profile=profile)
-    kept = last.size if size or scene.fullscreen else shown
+    size = last.size if size or scene.fullscreen else shown
     light = GroundChoice(scene.style.ground)
-    save_settings(Settings(kept, scene.panel, light, scene.guides, scene.legend))
+    save_settings(Settings(size, scene.panel, light, scene.guides, scene.legend))
 
 
 def show(

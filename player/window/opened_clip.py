@@ -1,6 +1,7 @@
 """Clips, the files that they come from, and the corrections that are kept beside them."""
 
 import os
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
@@ -29,24 +30,20 @@ class OpenClip:
 
 
 class FileWatch:
-    """Notices when files are replaced, as `bake` does by renaming."""
+    """Notices when files are replaced, as `bake` does by renaming; missing ones are awaited."""
 
     def __init__(self, *files: Path) -> None:
-        self._seen = {file: _mark(file) for file in files}
+        self._seen: dict[Path, object] = dict.fromkeys(files)
+        self.changed()
 
     def changed(self) -> bool:
-        """Whether any of them is another file than at the last look; a missing one is awaited."""
-        now = {file: _mark(file) or before for file, before in self._seen.items()}
-        found, self._seen = now != self._seen, now
-        return found
-
-
-def _mark(file: Path) -> tuple[int, int, int] | None:
-    try:
-        state = os.stat(file)
-    except OSError:
-        return None
-    return state.st_ino, state.st_size, state.st_mtime_ns
+        """Whether any of them is another file than at the last look."""
+        before = dict(self._seen)
+        for file in before:
+            with suppress(OSError):
+                state = os.stat(file)
+                self._seen[file] = state.st_ino, state.st_size, state.st_mtime_ns
+        return before != self._seen
 
 
 class KeptEdits:
@@ -71,7 +68,6 @@ class KeptEdits:
                 edits = replace(edits or Edits(), baked=self._baked)
                 edits = edits if now == edits.now else edits.changed(now)
             elif edits is None or (self._saved and edits.now == self._saved.now):
-                self._saved = edits or self._saved
                 return scene
             clips = (rename_organs(self._opened, edits.now), *scene.clips[1:])
             if not reads:
