@@ -3,16 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-import player.export
 from gclip.corrections import Correction, Place
-from player.view.choices import SIZES, Compare, sentence
-from player.view.playback import AtEnd
-from player.view.style import ColorMap
+from player.view.choices import sentence
 
 if TYPE_CHECKING:
     from player.view.state import Scene
@@ -25,54 +20,6 @@ NO_ORGAN = "Click an organ first."
 NO_PAIR = "Click an organ, then another one with Shift held, on this day or another."
 NO_EDITS = "Organs are corrected in a clip's own file: open it with `play`."
 QUIT_NEXT = "Press Esc again to quit."
-
-
-@dataclass(frozen=True)
-class Choice:
-    """One of several values: a key goes on to the next one, and the panel lists them all."""
-
-    label: str
-    field: str  #: of the scene, or of a part of it: "curve", "style.color_map"
-    values: Callable[[Scene], Sequence[Any]]  #: none where there is nothing to choose
-    name: Callable[[Any], str] = str  #: of a value, as the panel lists it
-    #: why a value can't be chosen, and how it could; "" where it can
-    lacking: Callable[[Scene, Any], str] = lambda scene, value: ""
-
-    def now(self, scene: Scene) -> Any:
-        """What is chosen; the first of the values where that is none of them."""
-        values, found = self.values(scene), attrgetter(self.field)(scene)
-        return next((value for value in values if value == found), values[0])
-
-    def choose(self, scene: Scene, value: Any) -> Scene:
-        if lacking := self.lacking(scene, value):
-            return scene.with_notice(lacking[0].upper() + lacking[1:])
-        return scene.changed(self.field, value, f"{self.label}: {self.name(value)}")
-
-    def next(self, scene: Scene) -> Scene:
-        """Choose the next value that can be chosen, after the last one the first."""
-        values = [value for value in self.values(scene) if not self.lacking(scene, value)]
-        if not values:
-            return scene.with_notice(f"{self.label}: there is nothing to choose.")
-        return self.choose(scene, values[(values.index(self.now(scene)) + 1) % len(values)])
-
-
-COLOR = Choice(
-    "Colour", "style.color_by", lambda scene: scene.color_modes,
-    lambda mode: mode.label, lambda scene, mode: mode.lacking(scene.clip),
-)  # fmt: skip
-FIELD = Choice("Field", "style.field", lambda scene: [one.name for one in scene.clip.fields])
-COLOR_MAP = Choice("Colours", "style.color_map", lambda scene: list(ColorMap))
-CURVE = Choice("Plot", "curve", lambda scene: [*scene.curves, ""], lambda name: name or "nothing")
-COMPARE = Choice("Compare", "compare", lambda scene: list(Compare))
-SHADING = Choice("Shading", "style.eye_dome", lambda scene: (0.0, 1.0, 2.0), "{:.0%}".format)
-AT_END = Choice("At the end", "timeline.at_end", lambda scene: list(AtEnd))
-FORMAT = Choice(
-    "Export", "output.example", lambda scene: [one.example for one in player.export.FORMATS]
-)
-SIZE = Choice(
-    "Pictures", "output.size", lambda scene: SIZES,
-    lambda size: f"{size[0]} × {size[1]}" if size else "as the window",
-)  # fmt: skip
 
 
 def go_home(scene: Scene) -> Scene:

@@ -6,16 +6,14 @@ import moderngl
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Clip
-from player.ui import actions, keys
-from player.ui.annotations import draw_captions, draw_guides, draw_organ, draw_progress
-from player.ui.curves import draw_curve, strip_height
+from player.ui import actions, annotations, keys
+from player.ui.annotations import strip_height
 from player.ui.gui import Gui
 from player.ui.help import draw_help
 from player.ui.mouse import PlantMouse
 from player.ui.organ_info import OrganInfo
 from player.ui.panel import draw_panel, panel_width
-from player.ui.pen import Pen, one_line
-from player.ui.theme import DARK, LIGHT, faint, packed
+from player.ui.theme import DARK, LIGHT, Pen, faint, one_line, packed
 from player.ui.timeline import TimelineView
 from player.ui.widgets import bare_window, button, card
 from player.view.choices import Compare
@@ -87,7 +85,7 @@ class Interface:
         self._gui.begin(size, scale, LIGHT if scene.style.ground == "light" else DARK)
         area = (size[0] - panel_width(scene), size[1])
         below = BOTTOM + strip_height(scene) + (CAPTION if len(panes) > 1 else 0.0)
-        pen = Pen(self._gui, area, (MARGIN, TOP - 8.0, MARGIN, below))
+        pen = Pen(self._gui.theme, self._gui.bold, area, (MARGIN, TOP - 8.0, MARGIN, below))
         scene = self.mouse.move(scene, area)
         _draw_veils(pen)
         self._draw_annotations(pen, shown, panes)
@@ -108,13 +106,13 @@ class Interface:
 
     def _draw_annotations(self, pen: Pen, scene: Scene, panes: Sequence[Pane]) -> None:
         picked, bottom = scene.style.picked, BOTTOM + strip_height(scene)
-        draw_guides(pen, scene, self._colors.color_scale(scene.style))
-        draw_captions(pen, panes, bottom)
+        annotations.draw_guides(pen, scene, self._colors.color_scale(scene.style))
+        annotations.draw_captions(pen, panes, bottom)
         if picked is not None:
             facts = self.organs.lines(scene.clip, picked, scene.timeline.day)
-            draw_organ(pen, scene.clip.track_table[picked], facts)
+            annotations.draw_organ(pen, scene.clip.track_table[picked], facts)
         if scene.exporting is not None:
-            draw_progress(pen, scene.exporting, bottom)
+            annotations.draw_progress(pen, scene.exporting, bottom)
 
     def _draw_title(self, pen: Pen, scene: Scene) -> Scene:
         """The clip's name, and the buttons beside it."""
@@ -138,7 +136,7 @@ class Interface:
             ends = 2 * MARGIN + _width(BEFORE), right - MARGIN
             if picked is not None and scene.curve:
                 curves = self.organs.curves(picked)
-                scene = draw_curve(pen, scene, curves, ends, height - BOTTOM)
+                scene = annotations.draw_curve(pen, scene, curves, ends, height - BOTTOM)
             scene = self.timeline.draw(pen, scene, ends)
         speed, x = scene.timeline.speed, right + BUTTON + (GAP + SPEED) / 2
         pen.write(x, middle, SPEEDS.get(speed, f"{speed:.0f}×"), 17.0, pen.theme.text, True, 0.5)

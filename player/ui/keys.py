@@ -8,15 +8,16 @@ A key is named as GLFW does, in lower case ("space", "page_up", "f11"), or by th
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from operator import attrgetter
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import player.export
 from player.ui import actions
-from player.ui.actions import Choice
-from player.view.choices import Wish
-from player.view.playback import Timeline
+from player.view.choices import SIZES, Compare, Wish
+from player.view.playback import AtEnd, Timeline
+from player.view.style import ColorMap
 
 if TYPE_CHECKING:
     from player.view.state import Scene
@@ -44,21 +45,54 @@ _SHOWN = {
 
 
 @dataclass(frozen=True)
-class Action:
-    """Something that keys, and perhaps a button on the screen, do to the scene."""
+class Command:
+    """Something that keys, and perhaps a control on the screen, do to the scene."""
 
     name: str
     keys: str  #: any of them does it, with spaces between them
     help: str  #: what it does, in a few words
-    do: Callable[[Scene], Scene]
-    repeats: bool = False  #: goes on while the key is held
-    on: Callable[[Scene], bool] | None = None  #: whether it is on, if it turns something on and off
-    choice: Choice | None = None  #: the values that it goes through, if it does
 
     @property
     def labels(self) -> tuple[str, ...]:
         """The keys as people read them: "Space", "Shift ←", "G"."""
         return tuple(label(key) for key in self.keys.split())
+
+
+@dataclass(frozen=True)
+class Action(Command):
+    """One thing that is done; with `on`, whether it is on, it turns something on and off."""
+
+    do: Callable[[Scene], Scene]
+    repeats: bool = False  #: goes on while the key is held
+    on: Callable[[Scene], bool] | None = None
+
+
+@dataclass(frozen=True)
+class Choice(Command):
+    """One of several values: a key goes on to the next one, and the panel lists them all."""
+
+    label: str
+    field: str  #: of the scene, or of a part of it: "curve", "style.color_map"
+    values: Callable[[Scene], Sequence[Any]]
+    text: Callable[[Any], str] = str  #: of a value, as the panel lists it
+    #: why a value can't be chosen, and how it could; "" where it can
+    lacking: Callable[[Scene, Any], str] = lambda scene, value: ""
+    repeats, on = False, None
+
+    def now(self, scene: Scene) -> Any:
+        """What is chosen; the first of the values where that is none of them."""
+        values, found = self.values(scene), attrgetter(self.field)(scene)
+        return next((value for value in values if value == found), values[0])
+
+    def choose(self, scene: Scene, value: Any) -> Scene:
+        if lacking := self.lacking(scene, value):
+            return scene.with_notice(lacking[0].upper() + lacking[1:])
+        return scene.changed(self.field, value, f"{self.label}: {self.text(value)}")
+
+    def do(self, scene: Scene) -> Scene:
+        """Choose the next value that can be chosen, after the last one the first."""
+        values = [value for value in self.values(scene) if not self.lacking(scene, value)]
+        return self.choose(scene, values[(values.index(self.now(scene)) + 1) % len(values)])
 
 
 def label(key: str) -> str:
@@ -93,12 +127,7 @@ def _switch(name: str, keys: str, help: str, field: str) -> Action:
     return Action(name, keys, help, lambda scene: scene.changed(field, not value(scene)), on=value)
 
 
-def _choose(name: str, keys: str, help: str, choice: Choice) -> Action:
-    """What goes on to the next of several values."""
-    return Action(name, keys, help, choice.next, choice=choice)
-
-
-TABLE: dict[str, tuple[Action, ...]] = {
+TABLE: dict[str, tuple[Action | Choice, ...]] = {
     "Time": (
         Action("play", "space", "play, pause", lambda s: s.with_timeline(Timeline.toggled),
                on=lambda s: s.timeline.playing),
@@ -111,7 +140,8 @@ TABLE: dict[str, tuple[Action, ...]] = {
         *_clock("first|last", "home|end", "first, last scan",
                 lambda t, sign: t.at(sign * math.inf)),
         *_clock("slower|faster", "[ down|] up", "slower, faster", Timeline.faster),
-        _choose("at end", "l", "loop, back and forth, or stop", actions.AT_END),
+        Choice("at end", "l", "loop, back and forth, or stop", "At the end", "timeline.at_end",
+               lambda s: list(AtEnd)),
     ),
     "View": (
         Action("front", "1", SIDES, lambda s: actions.look_from(s, 0)),
@@ -128,12 +158,17 @@ TABLE: dict[str, tuple[Action, ...]] = {
         Action("add key", "k", "add a camera key", lambda s: replace(s, wish=Wish.CAMERA_KEY)),
     ),
     "Look": (
-        _choose("color", "c", "colour by something else", actions.COLOR),
-        _choose("field", "shift+f", "another field of the scans", actions.FIELD),
-        _choose("colormap", "shift+m", "other colours of values", actions.COLOR_MAP),
+        Choice("color", "c", "colour by something else", "Colour", "style.color_by",
+               lambda s: s.color_modes, attrgetter("label"), lambda s, mode: mode.lacking(s.clip)),
+        Choice("field", "shift+f", "another field of the scans", "Field", "style.field",
+               lambda s: [field.name for field in s.clip.fields] or [""],
+               lambda name: name or "none in this clip"),
+        Choice("colormap", "shift+m", "other colours of values", "Colours", "style.color_map",
+               lambda s: list(ColorMap)),
         *_pair("smaller|larger", "-|+ =", "smaller, larger points",
                lambda s, sign: actions.resize_points(s, STEP**sign)),
-        _choose("shading", "m", "shading: none, soft, strong", actions.SHADING),
+        Choice("shading", "m", "shading: none, soft, strong", "Shading", "style.eye_dome",
+               lambda s: (0.0, 1.0, 2.0), "{:.0%}".format),
         Action("ground", "g", "light background",
                lambda s: s.with_style(ground="dark" if s.style.ground == "light" else "light"),
                on=lambda s: s.style.ground == "light"),
@@ -149,7 +184,8 @@ TABLE: dict[str, tuple[Action, ...]] = {
                lambda s: s.with_style(hidden=frozenset(), alone=None)),
         Action("alone", "z", "show the organ alone", actions.isolate_picked,
                on=lambda s: s.style.alone is not None),
-        _choose("curve", "shift+l", "plot another trait", actions.CURVE),
+        Choice("curve", "shift+l", "plot another trait", "Plot", "curve",
+               lambda s: [*s.curves, ""], lambda name: name or "nothing"),
     ),
     "Corrections": (
         Action("same", "w", "two organs are the same", lambda s: actions.correct(s, "same")),
@@ -160,13 +196,16 @@ TABLE: dict[str, tuple[Action, ...]] = {
                lambda s, sign: replace(s, edits=s.edits and s.edits.moved(sign)), repeats=False),
     ),
     "Compare": (
-        _choose("compare", "v", "with the nearest scan", actions.COMPARE),
+        Choice("compare", "v", "with the nearest scan", "Compare", "compare",
+               lambda s: list(Compare)),
         *_pair("wipe left|wipe right", "<|>", WIPED,
                lambda s, sign: actions.wipe_to(s, s.wipe + sign * WIPE_STEP)),
     ),
     "Export": (
-        _choose("format", "shift+e", "choose what to export", actions.FORMAT),
-        _choose("size", "r", "size of pictures", actions.SIZE),
+        Choice("format", "shift+e", "choose what to export", "Export", "output.example",
+               lambda s: [one.example for one in player.export.FORMATS]),
+        Choice("size", "r", "size of pictures", "Pictures", "output.size", lambda s: SIZES,
+               lambda size: f"{size[0]} × {size[1]}" if size else "as the window"),
         _switch("transparent", "shift+s", "pictures without background", "output.transparent"),
         Action("export", "e", "export, or stop exporting", lambda s: replace(s, wish=Wish.EXPORT)),
         Action("picture", "s", "save a picture", lambda s: replace(s, wish=Wish.PICTURE)),

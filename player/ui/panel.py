@@ -5,10 +5,9 @@ from dataclasses import replace
 from imgui_bundle import imgui, imgui_ctx
 
 from player.ui import actions, keys
-from player.ui.actions import Choice
 from player.ui.gui import Gui
-from player.ui.pen import one_line
-from player.ui.theme import CLEAR, rgb
+from player.ui.keys import Choice
+from player.ui.theme import CLEAR, one_line, rgb
 from player.ui.widgets import tip
 from player.view.choices import sentence
 from player.view.organ_place import organ_place
@@ -56,14 +55,13 @@ def _controls(scene: Scene, section: str) -> Scene:
         imgui.table_setup_column("control", imgui.TableColumnFlags_.width_stretch)
         imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed)
         for action in keys.TABLE[section]:
-            is_slider, choice = action.name in SLIDERS, action.choice
-            if (action.repeats and not is_slider) or (choice and not choice.values(scene)):
-                continue  # what repeats is for keys alone
+            if action.repeats and action.name not in SLIDERS:
+                continue  # it is for keys alone
             imgui.table_next_column()
-            if is_slider:
+            if action.name in SLIDERS:
                 scene = _slider(scene, action.name)
-            elif choice:
-                scene = _list(scene, choice)
+            elif isinstance(action, Choice):
+                scene = _list(scene, action)
             elif action.on:
                 changed, _ = imgui.checkbox(action.help.capitalize(), action.on(scene))
                 scene = action.do(scene) if changed else scene
@@ -98,9 +96,9 @@ def _list(scene: Scene, choice: Choice) -> Scene:
     """To choose from."""
     now = choice.now(scene)
     _label(choice.label)
-    if imgui.begin_combo(f"##{choice.field}", choice.name(now)):
+    if imgui.begin_combo(f"##{choice.field}", choice.text(now)):
         for value in choice.values(scene):
-            if imgui.selectable(choice.name(value), value == now)[0]:
+            if imgui.selectable(choice.text(value), value == now)[0]:
                 scene = choice.choose(scene, value)
         imgui.end_combo()
     return scene

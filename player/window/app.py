@@ -16,7 +16,7 @@ from gclip.errors import ClipError, UserError
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
 from player.ui import actions, keys
-from player.ui.curves import strip_height
+from player.ui.annotations import strip_height
 from player.ui.gui import Gui
 from player.ui.interface import Interface
 from player.ui.panel import panel_width
@@ -30,13 +30,14 @@ from player.view.state import Scene, reopened
 from player.view.style import Style
 from player.window.dynamic_resolution import Detail, DynamicResolution
 from player.window.export_job import Exports
-from player.window.glfw_window import Measures, listen, shortest_frame, switch_fullscreen
+from player.window.glfw_window import Measures, listen, switch_fullscreen
 from player.window.opened_clip import FileWatch, KeptEdits, OpenClip
 from player.window.viewports import Viewports, fitted, home_camera
 
 NOTICE_SECONDS = 2.5  # that a notice stays at least
 READING = 0.06  # seconds for each of its characters
 TURN_SPEED = 0.35  # radians a second of the camera going round by itself
+SHORTEST = 1 / 150  # seconds from picture to picture: displays show no more
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
 LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
 IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C, files and exports at rest
@@ -76,18 +77,18 @@ class Window:
 
     def run(self) -> Scene:
         """Draw and listen until the window is closed; gives the last scene."""
-        frame, then = shortest_frame(), glfw.get_time()
+        then = glfw.get_time()
         while not self.scene.closed and not glfw.window_should_close(self._handle):
             now = glfw.get_time()
             self._pass_time(min(now - then, LONGEST_STEP), now)
             then = now
-            self._look_at_files()
+            self._serve()
             self.scene = self._kept.written(self.scene)
             self._follow_window()
             self._draw()
             if self._lively:
                 # Vertical sync paces this loop; where there is none, the wait does.
-                glfw.wait_events_timeout(max(then + frame - glfw.get_time(), 0.0005))
+                glfw.wait_events_timeout(max(then + SHORTEST - glfw.get_time(), 0.0005))
             else:
                 glfw.wait_events_timeout(IDLE)
                 then = glfw.get_time()
@@ -134,8 +135,6 @@ class Window:
         if scene.following and scene.path:
             scene = replace(scene, camera=scene.path.at(scene.timeline.day))
         scene = self._exports.followed(scene)
-        if scene.wish is not None:
-            scene = self._exports.granted(scene, self.clips[0], self._area)
         if scene.notice != self._notice:
             seconds = max(NOTICE_SECONDS, READING * len(scene.notice))
             self._notice, self._notice_ends = scene.notice, now + seconds
@@ -143,10 +142,12 @@ class Window:
             scene = scene.with_notice("")
         self.scene = scene
 
-    def _look_at_files(self) -> None:
-        """Show what was dropped on the window, and what was baked anew."""
+    def _serve(self) -> None:
+        """Do what was asked for once; show what was dropped on the window, or was baked anew."""
         dropped, self._dropped[:] = list(self._dropped), []
         try:
+            if self.scene.wish is not None:
+                self.scene = self._exports.granted(self.scene, self.clips[0], self._area)
             paths = [name for name in dropped if name.lower().endswith(".json")]
             if paths:
                 path = load_path(Path(paths[0]), self.scene.clip)
@@ -161,7 +162,7 @@ class Window:
             told = str(error)
             for name in dropped:  # folders would leave no room for what is wrong
                 told = told.replace(name, Path(name).name)
-            self.scene = self.scene.with_notice(told)
+            self.scene = replace(self.scene, wish=None, notice=told)
 
     def _take(self, clips: Sequence[OpenClip], fresh: bool) -> None:
         """Show other clips, or the same ones as they were baked anew."""

@@ -93,39 +93,29 @@ class Exports:
         """Do what a scene wishes for; gives it without the wish, and with what came of that.
 
         area: (width, height) in pixels of the part of the window that shows the plant.
+        Raises UserError.
         """
-        try:
-            if scene.wish is Wish.CAMERA_KEY:
-                return _with_camera_key(scene, opened)
-            told = self._told(scene, opened, area)
-        except UserError as error:
-            told = str(error)
-        return replace(scene, wish=None, notice=told)
-
-    def _told(self, scene: Scene, opened: OpenClip, area: tuple[int, int]) -> str:
-        example, name = scene.output.example, opened.name
+        wish, example, name = scene.wish, scene.output.example, opened.name
+        scene, day = replace(scene, wish=None), scene.timeline.day
+        if wish is Wish.CAMERA_KEY:
+            file = Path(f"{name}.camera.json")
+            before = load_path(file, opened.clip) if file.exists() else scene.path
+            path = before.with_key(day, scene.camera)
+            save_path(path, opened.clip, file)
+            return replace(scene, path=path, notice=f"{saved(file)}, {len(path.keys)} keys")
         if opened.file is None:
-            return "Only clips that were opened from a file can be exported."
-        if self.state is not None and scene.wish is Wish.EXPORT:
+            return scene.with_notice("Only clips that were opened from a file can be exported.")
+        if self.state is not None and wish is Wish.EXPORT:
             self.stop()
-            return "Stopping …"
+            return scene.with_notice("Stopping …")
         if self.state is not None:
-            return f"{self.state.name} is being exported; E stops it."
-        if scene.wish is Wish.PICTURE:
-            example, name = STILL, f"{name} {date_at(opened.clip.scans, scene.timeline.day)}"
+            return scene.with_notice(f"{self.state.name} is being exported; E stops it.")
+        if wish is Wish.PICTURE:
+            example, name = STILL, f"{name} {date_at(opened.clip.scans, day)}"
         file, film = free_name(name, example), film_of(scene, example, area, name)
         format_of(file, film)
         self.begin(opened.file, film, file)
-        return f"Exporting {file}"
-
-
-def _with_camera_key(scene: Scene, opened: OpenClip) -> Scene:
-    """The scene whose camera path has a key more, and so has the path's file."""
-    file = Path(f"{opened.name}.camera.json")
-    before = load_path(file, opened.clip) if file.exists() else scene.path
-    path = before.with_key(scene.timeline.day, scene.camera)
-    save_path(path, opened.clip, file)
-    return replace(scene, wish=None, path=path, notice=f"{saved(file)}, {len(path.keys)} keys")
+        return scene.with_notice(f"Exporting {file}")
 
 
 def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Film:

@@ -1,5 +1,6 @@
 """What GLFW is asked for: a window with OpenGL, its events, and the full screen."""
 
+import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -79,9 +80,8 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
                 f"driver or Mesa (Debian or Ubuntu: apt-get install libgl1), or {EXPORT_INSTEAD}."
             )
         per_unit = glfw.get_window_size(handle)[0] / size[0]
-        least_width, least_height = (round(per_unit * length) for length in SMALLEST)
-        any_size = (glfw.DONT_CARE, glfw.DONT_CARE)
-        glfw.set_window_size_limits(handle, least_width, least_height, *any_size)
+        least = (round(per_unit * length) for length in SMALLEST)
+        glfw.set_window_size_limits(handle, *least, glfw.DONT_CARE, glfw.DONT_CARE)
         glfw.make_context_current(handle)
         glfw.swap_interval(1)
         yield handle
@@ -177,22 +177,15 @@ def switch_fullscreen(handle: Any, wanted: bool) -> None:
         glfw.set_window_monitor(handle, None, *glfw.get_window_user_pointer(handle), 0)
 
 
-def shortest_frame() -> float:
-    """Seconds below which the next picture would not be shown anyway."""
-    monitor = glfw.get_primary_monitor()
-    rate = glfw.get_video_mode(monitor).refresh_rate if monitor else 0
-    return 0.8 / (rate if rate > 0 else 60)
-
-
 def _monitor_of(handle: Any) -> Any:
-    """The one that shows the middle of a window, or else the first one."""
+    """The one whose middle is nearest to a window's."""
     (left, top), (width, height) = glfw.get_window_pos(handle), glfw.get_window_size(handle)
-    for monitor in glfw.get_monitors():
-        (x, y), shown = glfw.get_monitor_pos(monitor), glfw.get_video_mode(monitor).size
-        right, down = left + width / 2 - x, top + height / 2 - y
-        if 0 <= right < shown.width and 0 <= down < shown.height:
-            return monitor
-    return glfw.get_primary_monitor()
+
+    def distance(monitor: Any) -> float:
+        x, y, wide, high = glfw.get_monitor_workarea(monitor)
+        return math.hypot(x + wide / 2 - left - width / 2, y + high / 2 - top - height / 2)
+
+    return min(glfw.get_monitors(), key=distance)
 
 
 def _text(reason: str | bytes) -> str:

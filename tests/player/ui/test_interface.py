@@ -15,8 +15,7 @@ from hypothesis import strategies as st
 from imgui_bundle import imgui
 
 from gclip import Clip
-from player.ui.pen import Pen, one_line
-from player.ui.theme import DARK, LIGHT
+from player.ui.theme import DARK, LIGHT, Pen, one_line
 from player.ui.timeline import Line, labels_on
 from player.view.state import Exporting, Scene
 from player.view.style import ColorMode
@@ -268,7 +267,7 @@ def test_text_from_clips_is_only_text(
 def test_nothing_in_a_text_is_hidden(context: moderngl.Context) -> None:
     with opened(context, small_clip()) as desk:
         desk.gui.begin(SIZE, 1.0, DARK)
-        pen = Pen(desk.gui, SIZE, (0.0, 0.0, 0.0, 0.0))
+        pen = Pen(DARK, desk.gui.bold, SIZE, (0.0, 0.0, 0.0, 0.0))
         assert pen.width("leaf##7", 16.0) > pen.width("leaf", 16.0)
         assert one_line("leaf\nleaf") == "leaf leaf"
         assert one_line("a long name", 7) == "a long…"

@@ -16,7 +16,7 @@ from gclip import Clip, HeldOutScan
 from player.cli import main as play
 from player.errors import PlayerError
 from player.export import Film, export
-from player.ui import actions
+from player.ui import keys
 from player.view.camera import Camera
 from player.view.choices import Compare
 from player.view.colors import UNKNOWN, Colors, ValueRange
@@ -168,13 +168,13 @@ def test_a_clip_without_a_scan_left_out_says_how_to_get_one(
     with pytest.raises(PlayerError, match="left out"):
         Colors(clip).color_scale(ERROR)
     scene = Scene(Timeline.of([0.0, 2.0]), Camera(), Camera(), Style(), (clip,))
-    told = actions.COLOR.choose(scene, ColorMode.ERROR)
+    told = keys.ACTIONS["color"].choose(scene, ColorMode.ERROR)
     assert told.style == scene.style
     assert "bake it with --holdout 2" in told.notice
     held = replace(clip, held_out=(HeldOutScan("x.ply", 1.0, "day 1", clip.at(1.0).local),))
     for each, reached in ((clip, False), (held, True)):
         seen, shown = set(), replace(scene, clips=(each,))
         for _ in shown.color_modes:
-            shown = actions.COLOR.next(shown)
+            shown = keys.ACTIONS["color"].do(shown)
             seen.add(shown.color_mode)
         assert (ColorMode.ERROR in seen) == reached
