@@ -18,10 +18,8 @@ from player.view.split_view import Pane
 from player.view.state import Exporting, Scene
 from traits.curves import TraitCurve
 
-SIZE = 14.0
-AXIS = 24.0  # length of an axis
+SIZE, AXIS, HANDLE = 14.0, 24.0, 13.0  # of letters; length of an axis; radius of the wipe's
 PROGRESS_WIDTH = 270.0
-HANDLE = 13.0  # radius of the wipe's
 PLOT, STRIP, BUTTON = 76.0, 96.0, 26.0  # heights: of the plot, of all that it takes, of its button
 GAP, DOT = 14.0, 3.5  # between what is written and the plot; radius of its dots
 DOT_ICON, BOTH_WAYS = "\uf111", "\uf337"  # icons

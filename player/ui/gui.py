@@ -16,8 +16,6 @@ from player.view.annotations import BOLD, ICONS, REGULAR, font_file
 STILL = 4.0  # units that the mouse may move between press and release of a click
 NOWHERE = (-1e6, -1e6)  # the mouse, while it is outside the window
 BUTTONS = 3  # left, right and middle, in GLFW's order and ImGui's
-# Keys for a field that is written in, where ImGui calls them otherwise than GLFW.
-RENAMED = {"left": "left_arrow", "right": "right_arrow", "kp_enter": "keypad_enter"}
 
 
 class Gui:
@@ -76,7 +74,8 @@ class Gui:
 
     def type(self, key: str) -> None:
         """A character, or a key by GLFW's name, for a field that is written in."""
-        io, found = imgui.get_io(), getattr(imgui.Key, RENAMED.get(key, key), None)
+        io, arrow = imgui.get_io(), getattr(imgui.Key, f"{key}_arrow", None)
+        found = getattr(imgui.Key, key.replace("kp_", "keypad_"), arrow)
         if len(key) == 1:
             io.add_input_character(ord(key))
         elif found is not None:

@@ -7,7 +7,7 @@ from imgui_bundle import imgui, imgui_ctx
 from player.ui import keys
 from player.ui.gui import Gui
 from player.ui.theme import faint, packed
-from player.ui.widgets import BARE, bare_window
+from player.ui.widgets import FLAGS, SOLID, bare_window
 from player.view.state import Scene
 
 COLUMNS = (("Time", "Organs"), ("View", "Corrections", "Compare"), ("Look", "Export", "Window"))
@@ -23,12 +23,12 @@ def draw_help(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
     largest = size[0] - 2 * EDGE, size[1] - 2 * EDGE
     imgui.set_next_window_pos((size[0] / 2, size[1] / 2), 0, (0.5, 0.5))
     imgui.set_next_window_size_constraints((0.0, 0.0), largest)
-    flags = BARE & ~imgui.WindowFlags_.no_background & ~imgui.WindowFlags_.no_scrollbar
+    flags = SOLID & ~FLAGS.no_scrollbar | FLAGS.always_auto_resize
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.window_rounding, 14.0),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (PADDING, PADDING)),
         imgui_ctx.push_style_color(imgui.Col_.window_bg, gui.theme.card),
-        imgui_ctx.begin("help", None, flags | imgui.WindowFlags_.always_auto_resize),
+        imgui_ctx.begin("help", None, flags),
     ):
         with imgui_ctx.push_font(gui.bold, 20.0):
             imgui.text_unformatted("Keys and mouse")

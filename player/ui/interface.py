@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-import moderngl
 from imgui_bundle import imgui, imgui_ctx
+from moderngl import Framebuffer
 
 from gclip import Clip
 from player.ui import actions, annotations, keys
@@ -15,13 +15,14 @@ from player.ui.organ_info import OrganInfo
 from player.ui.panel import draw_panel, panel_width
 from player.ui.theme import DARK, LIGHT, Pen, faint, one_line, packed
 from player.ui.timeline import TimelineView
-from player.ui.widgets import bare_window, button, card
+from player.ui.widgets import FLAGS, bare_window, button, card
 from player.view.choices import Compare
 from player.view.colors import Colors
 from player.view.playback import AtEnd
 from player.view.split_view import Pane
 from player.view.state import Scene
 
+Size = tuple[float, float]  # width and height in units
 TOP, BOTTOM = 80.0, 124.0  # heights of the strips that hold title and buttons, and the timeline
 CAPTION = 36.0  # of the one that tells what is compared
 CONTROLS = 84.0  # height of what the mouse can hold in the lower one
@@ -69,14 +70,9 @@ class Interface:
         self.popup = False
 
     def draw(
-        self,
-        framebuffer: moderngl.Framebuffer,
-        scene: Scene,
-        size: tuple[float, float],
-        scale: float,
-        panes: Sequence[Pane] = (),
+        self, screen: Framebuffer, scene: Scene, size: Size, scale: float, panes: Sequence[Pane]
     ) -> Scene:
-        """Draw over a framebuffer that holds the plant, and give the scene as the mouse changed it.
+        """Draw over a screen that holds the plant, and give the scene as the mouse changed it.
 
         size, scale: (width, height) of the window in units, and the pixels in a unit.
         panes:       what is seen, from left to right.
@@ -101,7 +97,7 @@ class Interface:
             _draw_notice(shown.notice, area)
         either = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
         self.popup = imgui.is_popup_open("", either)
-        self._gui.end(framebuffer)
+        self._gui.end(screen)
         return scene
 
     def _draw_annotations(self, pen: Pen, scene: Scene, panes: Sequence[Pane]) -> None:
@@ -117,8 +113,7 @@ class Interface:
     def _draw_title(self, pen: Pen, scene: Scene) -> Scene:
         """The clip's name, and the buttons beside it."""
         left = pen.size[0] - MARGIN - _width(TOOLS)
-        no_inputs = imgui.WindowFlags_.no_inputs
-        with bare_window("title", (MARGIN, MARGIN), (left - MARGIN - 12.0, 44.0), no_inputs):
+        with bare_window("title", (MARGIN,) * 2, (left - MARGIN - 12.0, 44.0), FLAGS.no_inputs):
             with imgui_ctx.push_font(pen.bold, 20.0):
                 imgui.text_unformatted(one_line(self._name))
             scans, organs = len(scene.clip.scans), len(scene.clip.track_table)
@@ -163,10 +158,9 @@ def _draw_wipe(pen: Pen, scene: Scene) -> Scene:
         return actions.wipe_to(scene, imgui.get_mouse_pos().x / width) if held else scene
 
 
-def _draw_notice(notice: str, area: tuple[float, float]) -> None:
+def _draw_notice(notice: str, area: Size) -> None:
     """Over everything, even the help."""
-    front = imgui.WindowFlags_.tooltip
-    with card("notice", (area[0] / 2, TOP - 12.0), (0.5, 0.0), area[0], front):
+    with card("notice", (area[0] / 2, TOP - 12.0), (0.5, 0.0), area[0], FLAGS.tooltip):
         imgui.push_text_wrap_pos(area[0] - 60.0)
         imgui.text_unformatted(one_line(notice, 800))
         imgui.pop_text_wrap_pos()

@@ -5,7 +5,7 @@ import math
 from imgui_bundle import imgui
 
 from player.ui.gui import STILL
-from player.ui.widgets import bare_window
+from player.ui.widgets import FLAGS, bare_window
 from player.view.choices import Compare
 from player.view.state import Scene
 
@@ -27,7 +27,7 @@ class PlantMouse:
     def move(self, scene: Scene, size: tuple[float, float]) -> Scene:
         """The scene as drags and the wheel change it, in a view of `size` units."""
         io, flags = imgui.get_io(), imgui.ButtonFlags_
-        with bare_window("plant", (0.0, 0.0), size, imgui.WindowFlags_.no_bring_to_front_on_focus):
+        with bare_window("plant", (0.0, 0.0), size, FLAGS.no_bring_to_front_on_focus):
             every = flags.mouse_button_left | flags.mouse_button_right | flags.mouse_button_middle
             imgui.invisible_button("plant", size, every)
             self.drags, hovered = imgui.is_item_active(), imgui.is_item_hovered()

@@ -31,11 +31,9 @@ class OrganInfo:
         if track not in self._curves:
             self._curves[track] = self._pool.submit(trait_curves, self._clip, [track])
         found = self._curves[track]
-        if not found.done():
-            self.measuring = True
-            return ()
-        failed = found.cancelled() or found.exception() is not None
-        return () if failed else tuple(found.result())
+        self.measuring |= not found.done()
+        known = found.done() and not found.cancelled() and found.exception() is None
+        return tuple(found.result()) if known else ()
 
     def lines(self, clip: Clip, track: int, day: float) -> list[tuple[str, str]]:
         """What to tell about an organ, by its row in the clip's table, on a day: (what, value).

@@ -8,7 +8,7 @@ from player.ui import actions, keys
 from player.ui.gui import Gui
 from player.ui.keys import Choice
 from player.ui.theme import CLEAR, one_line, rgb
-from player.ui.widgets import tip
+from player.ui.widgets import FLAGS, SOLID, tip
 from player.view.choices import sentence
 from player.view.organ_place import organ_place
 from player.view.state import Scene
@@ -34,9 +34,7 @@ def draw_panel(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
     """Draw it in a window of (width, height), and give the scene as the mouse changed it."""
     imgui.set_next_window_pos((size[0] - WIDTH, 0.0))
     imgui.set_next_window_size((WIDTH, size[1]))
-    flags = imgui.WindowFlags_
-    unmoved = (flags.no_decoration & ~flags.no_scrollbar) | flags.no_move | flags.no_nav
-    with imgui_ctx.begin("panel", None, unmoved | flags.no_saved_settings):
+    with imgui_ctx.begin("panel", None, SOLID & ~FLAGS.no_scrollbar):
         for title, section in SECTIONS.items():
             imgui.set_next_item_open(title in ("Look", "Export", "Organs"), imgui.Cond_.once)
             if title == "Corrections" and len(scene.chosen) > 1:

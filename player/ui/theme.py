@@ -49,17 +49,14 @@ class Theme:
     loss: Color  #: marks of lost organs
     veil: Color  #: the ground's own colour, to calm it behind the timeline and about writing
     axes: tuple[Color, Color, Color]  #: of x, y and z
-
-    @property
-    def track(self) -> Color:
-        """The timeline's line, where it has not passed yet."""
-        return faint(self.text, 0.24)
+    track: Color  #: the timeline's line, where it has not passed yet
 
 
-def _theme(ground: str, accent: str, card: str, loss: str, veil: str, *axes: str) -> Theme:
+def _theme(ground: str, *colors: str) -> Theme:
+    """From the colours of accent, card, loss, veil and axes."""
     text, muted = color(GROUNDS[ground].text), color(GROUNDS[ground].muted)
-    x, y, z = map(color, axes)
-    return Theme(text, muted, color(accent), color(card, 0.96), color(loss), color(veil), (x, y, z))
+    accent, card, loss, veil, x, y, z = map(color, colors)
+    return Theme(text, muted, accent, faint(card, 0.96), loss, veil, (x, y, z), faint(text, 0.24))
 
 
 DARK = _theme("dark", "#7ddb8c", "#1d2624", "#e8a06a", "#0d1213", "#f07b80", "#7ccb7c", "#7ba6f2")

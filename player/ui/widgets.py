@@ -12,20 +12,11 @@ from player.ui import keys
 from player.ui.theme import CLEAR
 from player.view.state import Scene
 
-BARE = (
-    imgui.WindowFlags_.no_decoration
-    | imgui.WindowFlags_.no_background
-    | imgui.WindowFlags_.no_move
-    | imgui.WindowFlags_.no_saved_settings
-    | imgui.WindowFlags_.no_nav
-    | imgui.WindowFlags_.no_focus_on_appearing
-)
-CARD = (
-    BARE & ~imgui.WindowFlags_.no_background
-    | imgui.WindowFlags_.always_auto_resize
-    | imgui.WindowFlags_.no_inputs
-    | imgui.WindowFlags_.no_bring_to_front_on_focus
-)
+FLAGS = imgui.WindowFlags_
+BARE = FLAGS.no_decoration | FLAGS.no_background | FLAGS.no_move | FLAGS.no_saved_settings
+BARE |= FLAGS.no_nav | FLAGS.no_focus_on_appearing
+SOLID = BARE & ~FLAGS.no_background
+CARD = SOLID | FLAGS.always_auto_resize | FLAGS.no_inputs | FLAGS.no_bring_to_front_on_focus
 EDGE = 8.0  # what cards keep from the window's
 
 

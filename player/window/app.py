@@ -5,13 +5,13 @@ it, and a picture is drawn only where it would differ from the last one.
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import glfw
 
-from gclip import Clip
 from gclip.errors import ClipError, UserError
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
@@ -27,7 +27,6 @@ from player.view.dates import date_at
 from player.view.playback import Timeline
 from player.view.split_view import panes_of
 from player.view.state import Scene, reopened
-from player.view.style import Style
 from player.window.dynamic_resolution import Detail, DynamicResolution
 from player.window.export_job import Exports
 from player.window.glfw_window import Measures, listen, switch_fullscreen
@@ -45,38 +44,35 @@ SETTLING = 0.6  # seconds that pictures go on after an event: tips come, cards f
 
 
 class Window:
-    """Clips in one open window, whose OpenGL context is current."""
+    """Clips in one open window, whose OpenGL context is current.
 
-    def __init__(
-        self,
-        handle: Any,
-        clips: tuple[OpenClip, ...],
-        style: Style,
-        changes: Mapping[str, Any],
-        watch: Callable[[Scene], None],
-    ) -> None:
-        self._handle, self._watch = handle, watch
+    watch: called with the scene after each picture.
+    """
+
+    watch: Callable[[Scene], None]
+
+    def __init__(self, handle: Any, clips: Sequence[OpenClip], changes: Mapping[str, Any]) -> None:
+        """changes: fields of the first scene that are not as usual, the style among them."""
+        self._handle = handle
         self._context = from_window()
         self._gui = Gui()
         self._exports = Exports()
         self._measures = Measures.of(handle)
         self._dropped: list[str] = []
+        self._drawn: tuple[Scene, Measures] | None
+        self._view: tuple[float, Camera, Measures] | None
         self._changed_at, self._notice, self._notice_ends = 0.0, "", 0.0
-        bare = self._show(clips)
-        camera, timeline = home_camera(bare[0], (16.0, 9.0)), Timeline.of(bare[0].times).played()
-        scene = Scene(timeline, camera, camera, style, bare[:1])
-        self.scene = replace(reopened(scene, bare, fresh=True), **changes)
-        self._fit()
+        self._shown, clip = ExitStack(), clips[0].clip
+        camera, timeline = home_camera(clip, (16.0, 9.0)), Timeline.of(clip.times).played()
+        self.scene = Scene(timeline, camera, camera, changes["style"], (clip,))
+        self._show(clips, fresh=True)
+        self.scene = replace(self.scene, **{"notice": "", **changes})
         listen(handle, self._press, self._draw_again, self._dropped.extend)
 
-    @property
-    def size(self) -> tuple[int, int]:
-        """In units of 1/96 inch."""
-        width, height = self._measures.units
-        return round(width), round(height)
-
-    def run(self) -> Scene:
-        """Draw and listen until the window is closed; gives the last scene."""
+    def run(self) -> tuple[Scene, tuple[int, int]]:
+        """Draw and listen until the window is closed; gives the last scene, and (width, height) in
+        units of 1/96 inch.
+        """
         then = glfw.get_time()
         while not self.scene.closed and not glfw.window_should_close(self._handle):
             now = glfw.get_time()
@@ -92,27 +88,30 @@ class Window:
             else:
                 glfw.wait_events_timeout(IDLE)
                 then = glfw.get_time()
-        return self.scene
+        width, height = self._measures.units
+        return self.scene, (round(width), round(height))
 
     def release(self) -> None:
         self._exports.release()
-        self._interface.organs.release()
+        self._shown.close()
         self._gui.release()
-        self.viewports.release()
 
-    def _show(self, clips: tuple[OpenClip, ...]) -> tuple[Clip, ...]:
-        """Make what draws these clips."""
-        self.clips, bare = clips, tuple(one.clip for one in clips)
+    def _show(self, clips: Sequence[OpenClip], fresh: bool) -> None:
+        """Show clips: other ones (fresh), or the same ones as they were baked anew."""
+        self._shown.close()
+        self.clips, bare = tuple(clips), tuple(one.clip for one in clips)
         self.viewports = Viewports(self._context, bare)
         self._interface = Interface(self._gui, bare[0], " · ".join(one.name for one in clips))
-        self._resolution = DynamicResolution(
-            max(len(interval) for clip in bare for interval in clip.intervals)
-        )
+        for made in (self.viewports, self._interface.organs):
+            self._shown.callback(made.release)
+        most = max(len(interval) for clip in bare for interval in clip.intervals)
+        self._resolution = DynamicResolution(most)
         self._kept = KeptEdits(clips[0])
         self._files = FileWatch(*[one.file for one in clips if one.file is not None])
         self._fitted: tuple[float, float, float] | None = None
-        self._drawn: tuple[Scene, Measures] | None = None
-        return bare
+        self._drawn = self._view = None
+        told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
+        self.scene = reopened(self.scene, bare, fresh).with_notice(told)
 
     @property
     def _lively(self) -> bool:
@@ -154,25 +153,15 @@ class Window:
                 scene = replace(self.scene, path=path, following=True, turning=False)
                 self.scene = scene.with_notice(f"Camera path of {len(path.keys)} keys")
             elif dropped:
-                self._take([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
+                self._show([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
             elif self._files.changed():
                 again = [OpenClip.of(one.file) if one.file else one for one in self.clips]
-                self._take(again, fresh=False)
+                self._show(again, fresh=False)
         except UserError as error:
             told = str(error)
             for name in dropped:  # folders would leave no room for what is wrong
                 told = told.replace(name, Path(name).name)
             self.scene = replace(self.scene, wish=None, notice=told)
-
-    def _take(self, clips: Sequence[OpenClip], fresh: bool) -> None:
-        """Show other clips, or the same ones as they were baked anew."""
-        scene = self.scene
-        self._interface.organs.release()
-        self.viewports.release()
-        bare = self._show(tuple(clips))
-        told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
-        self.scene = reopened(scene, bare, fresh).with_notice(told)
-        self._fit()
 
     def _press(self, key: str, shift: bool, repeated: bool) -> None:
         if self._gui.writes or (key == "escape" and self._interface.popup):
@@ -209,7 +198,8 @@ class Window:
             return
         if not measures.visible:
             return
-        moves = self._drawn is None or _view(*self._drawn) != _view(scene, measures)
+        view = scene.timeline.day, scene.camera, measures
+        moves = view != self._view
         panes = panes_of(scene, [one.name for one in self.clips])
         detail = self._resolution.detail(self._area) if moves else Detail()
         budget = LOADING if moves or self.viewports.loading else None
@@ -225,9 +215,9 @@ class Window:
             self._resolution.frame_took(max(glfw.get_time() - now, self.viewports.gpu_seconds))
         glfw.swap_buffers(self._handle)
         glfw.set_window_title(self._handle, f"{date} · {self.clips[0].name}")
-        self._drawn = scene, measures
+        self._drawn, self._view = (scene, measures), view
         self._pick()
-        self._watch(self.scene)
+        self.watch(self.scene)
 
     def _pick(self) -> None:
         """Pick the organ that was clicked."""
@@ -243,8 +233,3 @@ class Window:
         self._drawn = None
         self._follow_window()
         self._draw()
-
-
-def _view(scene: Scene, measures: Measures) -> tuple[float, Camera, Measures]:
-    """What it takes a new picture of the plant to follow smoothly."""
-    return scene.timeline.day, scene.camera, measures

@@ -98,13 +98,14 @@ def show(
     lost: list[Scene] = []
     while True:
         with opened(size, shown[0].name) as handle:
-            window = Window(handle, shown, style or Style(), changes or {}, watch)
+            window = Window(handle, shown, {"style": style or Style(), **(changes or {})})
+            window.watch = watch
             window.scene = lost[-1] if lost else window.scene
             try:
-                scene = window.run()
+                ended = window.run()
                 if profile:
                     print(profile_table(window.viewports.timers), file=sys.stderr)
-                return scene, window.size
+                return ended
             except ContextLost:
                 shown, lost = window.clips, [*lost, window.scene]
                 if len(lost) > RESETS:

@@ -19,6 +19,7 @@ from player.view.state import Scene
 from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
 
+Size = tuple[int, int]  # width and height in pixels
 ABOVE, BELOW = 68.0, 112.0  # what title and timeline take from the picture, in units
 
 
@@ -63,22 +64,17 @@ class Viewports:
         self._renderers: dict[tuple[int, str, int | None], Renderer] = {}
         self._passes = Passes(context)
         self._pictures: dict[int, moderngl.Framebuffer] = {}
-        self._painted: tuple[tuple[int, int], tuple[Pane, ...], Style, Detail] | None = None
+        self._painted: tuple[Size, tuple[Pane, ...], Style, Detail] | None = None
         self.whole = self.loading = True
         self.gpu_seconds = 0.0
 
     def paint(
-        self,
-        size: tuple[int, int],
-        panes: Sequence[Pane],
-        style: Style,
-        detail: Detail,
-        upload_budget: float | None,
+        self, size: Size, panes: Sequence[Pane], style: Style, detail: Detail, budget: float | None
     ) -> None:
         """Bring a picture of (width, height) pixels up to date.
 
         panes: what it shows, from left to right; detail: how much of it to draw.
-        upload_budget: seconds that uploading may take; None waits for all of it.
+        budget: seconds that uploading may take; None waits for all of it.
         """
         wanted = (size, tuple(panes), style, detail)
         if wanted == self._painted and self.whole:
@@ -91,10 +87,10 @@ class Viewports:
             self.whole &= renderer.draw(
                 *(into, pane.day, pane.camera, style, pixels),
                 stride=detail.every,
-                upload_budget=upload_budget,
+                upload_budget=budget,
             )
             self.gpu_seconds += renderer.gpu_seconds
-        self.loading = upload_budget is not None and before != self._loaded
+        self.loading = budget is not None and before != self._loaded
         self._painted = wanted
 
     def organ_under(
@@ -158,7 +154,7 @@ class Viewports:
             self._renderers[key] = Renderer(self._context, clip)
         return self._renderers[key]
 
-    def _framebuffer(self, number: int, size: tuple[int, int]) -> moderngl.Framebuffer:
+    def _framebuffer(self, number: int, size: Size) -> moderngl.Framebuffer:
         """What a pane is drawn into; the last one is given up where its size differs."""
         if number not in self._pictures or self._pictures[number].size != size:
             self._pictures.pop(number, None)
@@ -168,7 +164,7 @@ class Viewports:
         return self._pictures[number]
 
 
-def _places(pane: Pane, size: tuple[int, int]) -> tuple[tuple[int, int, int, int], ...]:
+def _places(pane: Pane, size: Size) -> tuple[tuple[int, int, int, int], ...]:
     """Left, bottom, width and height of a pane's picture in the window, and of the part seen."""
     left, right = round(pane.left * size[0]), round(pane.right * size[0])
     seen = (left, 0, right - left, size[1])
