@@ -8,9 +8,8 @@ from moderngl import Framebuffer
 from gclip import Clip
 from player.ui import actions, annotations, keys
 from player.ui.annotations import strip_height
-from player.ui.gui import Gui
+from player.ui.gui import Gui, PlantMouse
 from player.ui.help import draw_help
-from player.ui.mouse import PlantMouse
 from player.ui.organ_info import OrganInfo
 from player.ui.panel import draw_panel, panel_width
 from player.ui.theme import DARK, LIGHT, Pen, faint, one_line, packed
@@ -80,11 +79,18 @@ class Interface:
         shown, self.organs.measuring = scene, False
         self._gui.begin(size, scale, LIGHT if scene.style.ground == "light" else DARK)
         area = (size[0] - panel_width(scene), size[1])
-        below = BOTTOM + strip_height(scene) + (CAPTION if len(panes) > 1 else 0.0)
+        bottom, picked = BOTTOM + strip_height(scene), scene.style.picked
+        below = bottom + (CAPTION if len(panes) > 1 else 0.0)
         pen = Pen(self._gui.theme, self._gui.bold, area, (MARGIN, TOP - 8.0, MARGIN, below))
         scene = self.mouse.move(scene, area)
         _draw_veils(pen)
-        self._draw_annotations(pen, shown, panes)
+        annotations.draw_guides(pen, shown, self._colors.color_scale(shown.style))
+        annotations.draw_captions(pen, panes, bottom)
+        if picked is not None:
+            facts = self.organs.lines(shown.clip, picked, shown.timeline.day)
+            annotations.draw_organ(pen, shown.clip.track_table[picked], facts)
+        if shown.exporting is not None:
+            annotations.draw_progress(pen, shown.exporting, bottom)
         scene = self._draw_title(pen, scene)
         scene = self._draw_controls(pen, scene)
         if shown.compare is Compare.WIPE:
@@ -99,16 +105,6 @@ class Interface:
         self.popup = imgui.is_popup_open("", either)
         self._gui.end(screen)
         return scene
-
-    def _draw_annotations(self, pen: Pen, scene: Scene, panes: Sequence[Pane]) -> None:
-        picked, bottom = scene.style.picked, BOTTOM + strip_height(scene)
-        annotations.draw_guides(pen, scene, self._colors.color_scale(scene.style))
-        annotations.draw_captions(pen, panes, bottom)
-        if picked is not None:
-            facts = self.organs.lines(scene.clip, picked, scene.timeline.day)
-            annotations.draw_organ(pen, scene.clip.track_table[picked], facts)
-        if scene.exporting is not None:
-            annotations.draw_progress(pen, scene.exporting, bottom)
 
     def _draw_title(self, pen: Pen, scene: Scene) -> Scene:
         """The clip's name, and the buttons beside it."""
@@ -173,20 +169,18 @@ def _width(names: Sequence[str]) -> float:
 
 def _row(scene: Scene, names: Sequence[str], left: float, middle: float) -> Scene:
     """Icon buttons in a row about a height, a large one among them; what is on has the accent."""
-    part, before = imgui.Col_, scene
+    part, color, before = imgui.Col_, imgui.get_style_color_vec4, scene
     for name in names:
-        action, side, paint = keys.ACTIONS[name], BUTTON, (part.button, part.text)
+        action, side = keys.ACTIONS[name], PLAY if name == "play" else BUTTON
         on = bool(action.on and action.on(before))
-        if name == "play":
-            side, paint = PLAY, (part.check_mark, part.window_bg)
-        elif on:
-            paint = (part.button, part.check_mark)
         icon = AT_END[scene.timeline.at_end] if name == "at end" else ICONS[name][-1 if on else 0]
-        ground, text = map(imgui.get_style_color_vec4, paint)
+        ground, text = part.button, part.check_mark if on else part.text
+        if name == "play":
+            ground, text = part.check_mark, part.window_bg
         imgui.set_cursor_screen_pos((left, middle - side / 2))
         with (
-            imgui_ctx.push_style_color(part.button, ground),
-            imgui_ctx.push_style_color(part.text, text),
+            imgui_ctx.push_style_color(part.button, color(ground)),
+            imgui_ctx.push_style_color(part.text, color(text)),
         ):
             scene = button(scene, name, icon, (side, side))
         left += WIDTHS.get(name, BUTTON) + GAP

@@ -1,6 +1,7 @@
 """The panel at the window's right: every choice in sight, and each of them has a key as well."""
 
 from dataclasses import replace
+from operator import attrgetter
 
 from imgui_bundle import imgui, imgui_ctx
 
@@ -16,11 +17,6 @@ from player.view.state import Scene
 WIDTH = 272.0
 SMALL = 13.5  # size of notes
 LABEL, VALUE = 68.0, 46.0  # widths: of what stands before lists and sliders, and beside these
-# In place of an action: the field, the values at the slider's ends, and what it is.
-SLIDERS = {
-    "larger": ("point_size", 0.2, 5.0, "Points"),
-    "shading": ("eye_dome", 0.0, 2.0, "Shading"),
-}
 DOT, SEEN, HIDDEN, REMOVE = "\uf111", "\uf06e", "\uf070", "\uf00d"  # icons
 HOW = "Click an organ, on another day or beside it one more with Shift held."
 
@@ -35,7 +31,7 @@ def draw_panel(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
     imgui.set_next_window_pos((size[0] - WIDTH, 0.0))
     imgui.set_next_window_size((WIDTH, size[1]))
     with imgui_ctx.begin("panel", None, SOLID & ~FLAGS.no_scrollbar):
-        for title, section in SECTIONS.items():
+        for title in ("Look", "View", "Compare", "Export", "Corrections", "Organs"):
             imgui.set_next_item_open(title in ("Look", "Export", "Organs"), imgui.Cond_.once)
             if title == "Corrections" and len(scene.chosen) > 1:
                 imgui.set_next_item_open(True)
@@ -43,7 +39,10 @@ def draw_panel(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
                 shown = imgui.collapsing_header(title)
             if shown:
                 scene = _controls(scene, title)
-                scene = section(scene) if section else scene
+            if shown and title == "Corrections":
+                scene = _corrections(scene)
+            if shown and title == "Organs":
+                scene = _organs(scene)
     return scene
 
 
@@ -53,13 +52,12 @@ def _controls(scene: Scene, section: str) -> Scene:
         imgui.table_setup_column("control", imgui.TableColumnFlags_.width_stretch)
         imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed)
         for action in keys.TABLE[section]:
-            if action.repeats and action.name not in SLIDERS:
+            if action.repeats:
                 continue  # it is for keys alone
             imgui.table_next_column()
-            if action.name in SLIDERS:
-                scene = _slider(scene, action.name)
-            elif isinstance(action, Choice):
-                scene = _list(scene, action)
+            if isinstance(action, Choice):
+                draw = _slider if isinstance(action.now(scene), float) else _list
+                scene = draw(scene, action)
             elif action.on:
                 changed, _ = imgui.checkbox(action.help.capitalize(), action.on(scene))
                 scene = action.do(scene) if changed else scene
@@ -80,14 +78,14 @@ def _label(label: str, beside: float = 0.0) -> None:
     imgui.set_next_item_width(-beside - 1.0)
 
 
-def _slider(scene: Scene, name: str) -> Scene:
-    """For a number of the style, and beside it how that reads."""
-    field, low, high, label = SLIDERS[name]
-    how, now = imgui.SliderFlags_, getattr(scene.style, field)
-    flags = how.no_input | (how.logarithmic if low else how.none)
-    _label(label, VALUE)
-    changed, value = imgui.slider_float(f"{now:.0%}###{field}", now, low, high, "", flags)
-    return scene.changed(f"style.{field}", value) if changed else scene
+def _slider(scene: Scene, choice: Choice) -> Scene:
+    """From the first number to the last, and what lies between; beside it how that reads."""
+    (low, *_, high), now = choice.values(scene), attrgetter(choice.field)(scene)
+    flags = imgui.SliderFlags_.no_input | (imgui.SliderFlags_.logarithmic if low else 0)
+    _label(choice.label, VALUE)
+    text = f"{choice.text(now)}###{choice.field}"
+    changed, value = imgui.slider_float(text, now, low, high, "", flags)
+    return scene.changed(choice.field, value) if changed else scene
 
 
 def _list(scene: Scene, choice: Choice) -> Scene:
@@ -164,13 +162,6 @@ def _organ(scene: Scene, number: int) -> Scene:
     text = imgui.text_unformatted if visible else imgui.text_disabled
     text(one_line(organ.name))
     return scene
-
-
-# By the sections of actions: what there is below them.
-SECTIONS = {
-    **dict.fromkeys(("Look", "View", "Compare", "Export")),
-    **{"Corrections": _corrections, "Organs": _organs},
-}
 
 
 def _icon(icon: str) -> bool:

@@ -23,11 +23,6 @@ def rgb(channels: Iterable[int], alpha: float = 1.0) -> Color:
     return Color(red, green, blue, alpha)
 
 
-def color(hexadecimal: str, alpha: float = 1.0) -> Color:
-    """A colour from "#rrggbb"."""
-    return rgb(bytes.fromhex(hexadecimal[1:]), alpha)
-
-
 def faint(color: Color, alpha: float) -> Color:
     """The same colour, less opaque."""
     return Color(color.x, color.y, color.z, alpha)
@@ -48,15 +43,18 @@ class Theme:
     card: Color  #: bubbles, tips and the help
     loss: Color  #: marks of lost organs
     veil: Color  #: the ground's own colour, to calm it behind the timeline and about writing
-    axes: tuple[Color, Color, Color]  #: of x, y and z
+    axes: tuple[Color, ...]  #: of x, y and z
     track: Color  #: the timeline's line, where it has not passed yet
 
 
 def _theme(ground: str, *colors: str) -> Theme:
     """From the colours of accent, card, loss, veil and axes."""
-    text, muted = color(GROUNDS[ground].text), color(GROUNDS[ground].muted)
-    accent, card, loss, veil, x, y, z = map(color, colors)
-    return Theme(text, muted, accent, faint(card, 0.96), loss, veil, (x, y, z), faint(text, 0.24))
+    known = GROUNDS[ground].text, GROUNDS[ground].muted
+    text, muted, accent, card, loss, veil, *axes = (
+        rgb(bytes.fromhex(color[1:])) for color in (*known, *colors)
+    )
+    card, track = faint(card, 0.96), faint(text, 0.24)
+    return Theme(text, muted, accent, card, loss, veil, tuple(axes), track)
 
 
 DARK = _theme("dark", "#7ddb8c", "#1d2624", "#e8a06a", "#0d1213", "#f07b80", "#7ccb7c", "#7ba6f2")
@@ -82,10 +80,8 @@ def dress(style: imgui.Style, theme: Theme) -> None:
         (faint(theme.accent, 0.5), "slider_grab slider_grab_active"),
         (faint(theme.accent, 0.30), "button_active header_active"),
         (faint(theme.text, 0.09), "frame_bg button header checkbox_selected_bg"),
-        (
-            faint(theme.text, 0.13),
-            "border frame_bg_hovered frame_bg_active button_hovered header_hovered",
-        ),
+        (faint(theme.text, 0.13), "border frame_bg_hovered frame_bg_active"),
+        (faint(theme.text, 0.13), "button_hovered header_hovered"),
     ):
         for part in parts.split():
             style.set_color_(getattr(imgui.Col_, part), paint)

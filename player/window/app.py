@@ -4,7 +4,7 @@ The scene is a frozen value (player/view/state.py). Events turn it into a new on
 it, and a picture is drawn only where it would differ from the last one.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +21,6 @@ from player.ui.gui import Gui
 from player.ui.interface import Interface
 from player.ui.panel import panel_width
 from player.view.camera import Camera
-from player.view.camera_animation import load_path
 from player.view.choices import Compare
 from player.view.dates import date_at
 from player.view.playback import Timeline
@@ -44,16 +43,11 @@ SETTLING = 0.6  # seconds that pictures go on after an event: tips come, cards f
 
 
 class Window:
-    """Clips in one open window, whose OpenGL context is current.
-
-    watch: called with the scene after each picture.
-    """
-
-    watch: Callable[[Scene], None]
+    """Clips in one open window, whose OpenGL context is current; `watch` gets every scene shown."""
 
     def __init__(self, handle: Any, clips: Sequence[OpenClip], changes: Mapping[str, Any]) -> None:
         """changes: fields of the first scene that are not as usual, the style among them."""
-        self._handle = handle
+        self._handle, self.watch = handle, lambda scene: None
         self._context = from_window()
         self._gui = Gui()
         self._exports = Exports()
@@ -147,12 +141,7 @@ class Window:
         try:
             if self.scene.wish is not None:
                 self.scene = self._exports.granted(self.scene, self.clips[0], self._area)
-            paths = [name for name in dropped if name.lower().endswith(".json")]
-            if paths:
-                path = load_path(Path(paths[0]), self.scene.clip)
-                scene = replace(self.scene, path=path, following=True, turning=False)
-                self.scene = scene.with_notice(f"Camera path of {len(path.keys)} keys")
-            elif dropped:
+            if dropped:
                 self._show([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
             elif self._files.changed():
                 again = [OpenClip.of(one.file) if one.file else one for one in self.clips]
@@ -173,21 +162,18 @@ class Window:
         """Take over the window's present size, and give it the state that the scene asks for."""
         switch_fullscreen(self._handle, self.scene.fullscreen)
         self._measures = Measures.of(self._handle)
-        self._fit()
-
-    @property
-    def _area(self) -> tuple[int, int]:
-        """(width, height) in pixels of the part that shows plants."""
-        return self._measures.beside(panel_width(self.scene))
-
-    def _fit(self) -> None:
-        """Fit the cameras to the part of the window that a plant has."""
+        # Fit the cameras to the part that a plant has.
         width, height = (length / self._measures.scale for length in self._area)
         width *= 0.5 if self.scene.compare is Compare.BESIDE else 1.0
         plot = strip_height(self.scene)
         if self._measures.visible and self._fitted != (width, height, plot):
             self._fitted = (width, height, plot)
             self.scene = fitted(self.scene, (width, height), plot)
+
+    @property
+    def _area(self) -> tuple[int, int]:
+        """(width, height) in pixels of the part that shows plants."""
+        return self._measures.beside(panel_width(self.scene))
 
     def _draw(self) -> None:
         """Draw the next picture, if it may differ from the last one."""
@@ -216,17 +202,11 @@ class Window:
         glfw.swap_buffers(self._handle)
         glfw.set_window_title(self._handle, f"{date} · {self.clips[0].name}")
         self._drawn, self._view = (scene, measures), view
-        self._pick()
+        mouse = self._interface.mouse
+        if mouse.clicked is not None:
+            found = self.viewports.organ_under(self.scene, mouse.clicked, measures.scale)
+            self.scene = actions.pick(self.scene, *found, mouse.more) if found else self.scene
         self.watch(self.scene)
-
-    def _pick(self) -> None:
-        """Pick the organ that was clicked."""
-        mouse, scale = self._interface.mouse, self._measures.scale
-        if mouse.clicked is None:
-            return
-        x, y = mouse.clicked
-        if found := self.viewports.organ_under(self.scene, (x * scale, y * scale)):
-            self.scene = actions.pick(self.scene, *found, mouse.more)
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""

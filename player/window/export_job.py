@@ -32,10 +32,9 @@ def run(clip: str, film: Film, output: Path, events: Any) -> None:
             lambda done, total: events.send(Exporting(name, done, total)),
         )  # fmt: skip
         ended = saved(output)
-    except UserError as error:
-        ended = str(error)
     except Exception as error:
-        ended = f"Exporting {name} failed: {error or type(error).__name__}."
+        failed = f"Exporting {name} failed: {error or type(error).__name__}."
+        ended = str(error) if isinstance(error, UserError) else failed
     with suppress(OSError):
         events.send(Exporting(name, ended=ended))
 
@@ -49,14 +48,12 @@ class Exports:
 
     def __init__(self) -> None:
         self.state: Exporting | None = None
-        self._process: Any = None
 
     def begin(self, clip: Path, film: Film, output: Path) -> None:
         fresh = multiprocessing.get_context("spawn")
-        self.state, self._output = Exporting(output.name), output
-        self._events, sending = fresh.Pipe(duplex=False)
+        self.state, (self._events, sending) = Exporting(output.name), fresh.Pipe(duplex=False)
         job = (str(clip), film, output, sending)
-        self._process = fresh.Process(target=run, args=job, daemon=True)
+        self._process: Any = fresh.Process(target=run, args=job, daemon=True)
         self._process.start()
         sending.close()
 
@@ -83,9 +80,7 @@ class Exports:
         except EOFError:
             ended = f"Exporting {self.state.name} failed."
         except OSError:  # it was stopped
-            ended = f"Stopped: {self.state.name} was not written." if left else ""
-            if left and self._output.exists():  # all but there when it was stopped
-                ended = saved(self._output)
+            ended = f"Stopped exporting {self.state.name}." if left else ""
         self.state = None if ended else self.state
         return replace(scene, exporting=self.state, notice=ended or scene.notice)
 
@@ -141,7 +136,4 @@ def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Fil
 
 def saved(file: Path) -> str:
     """What to tell the user of a new file: its name, and the folder that it is in."""
-    folder = file.parent.absolute()
-    home = Path.home()
-    short = "~" / folder.relative_to(home) if folder.is_relative_to(home) else folder
-    return f"Saved {file.name} in {short}"
+    return f"Saved {file.name} in {file.parent.absolute()}"

@@ -62,7 +62,9 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
     Raises PlayerError where there is no display, or no OpenGL 3.3.
     """
     reasons = ["no reason given"]
-    glfw.set_error_callback(lambda _, reason: reasons.append(_text(reason).rstrip(".")))
+    glfw.set_error_callback(
+        lambda _, reason: reasons.append(reason.decode(errors="replace").rstrip("."))
+    )
     if not glfw.init():
         raise PlayerError(
             f"no window can be opened, because there is no display ({reasons[-1]}); start it on a "
@@ -107,17 +109,14 @@ def _created(size: tuple[int, int], title: str) -> Any:
 
 
 def listen(
-    handle: Any,
-    key: Callable[[str, bool, bool], None],
-    draw_again: Callable[[], None],
-    dropped: Callable[[list[str]], None],
+    handle: Any, key: Callable[..., None], again: Callable[[], None], dropped: Callable[..., None]
 ) -> None:
     """Hand the window's events on: the mouse's to Dear ImGui.
 
-    key:        gets a key's name, after "ctrl+" where that is held, or the character typed; whether
-                shift is held; whether it repeats.
-    draw_again: called when the system needs the picture anew.
-    dropped:    gets the names of files dropped on the window.
+    key:     gets a key's name, after "ctrl+" where that is held, or the character typed; whether
+             shift is held; whether it repeats.
+    again:   called when the system needs the picture anew.
+    dropped: gets the names of files dropped on the window.
     """
     named = {
         code: name.removeprefix("KEY_").lower()
@@ -158,8 +157,8 @@ def listen(
     glfw.set_cursor_pos_callback(handle, on_move)
     glfw.set_cursor_enter_callback(handle, on_enter)
     glfw.set_scroll_callback(handle, lambda _, right, up: io.add_mouse_wheel_event(0.0, up))
-    glfw.set_window_refresh_callback(handle, lambda _: draw_again())
-    glfw.set_drop_callback(handle, lambda _, names: dropped([_text(name) for name in names]))
+    glfw.set_window_refresh_callback(handle, lambda _: again())
+    glfw.set_drop_callback(handle, lambda _, names: dropped(names))
 
 
 def switch_fullscreen(handle: Any, wanted: bool) -> None:
@@ -186,7 +185,3 @@ def _monitor_of(handle: Any) -> Any:
         return math.hypot(x + wide / 2 - left - width / 2, y + high / 2 - top - height / 2)
 
     return min(glfw.get_monitors(), key=distance)
-
-
-def _text(reason: str | bytes) -> str:
-    return reason.decode(errors="replace") if isinstance(reason, bytes) else reason

@@ -26,15 +26,9 @@ RESETS = 3  # of the graphics driver that are put up with
 
 
 def start(
-    files: Sequence[Path],
-    style: Style,
-    size: tuple[int, int] | None = None,
-    ground: GroundChoice | None = None,
-    turning: bool = False,
-    path: Path | None = None,
-    *,
-    profile: bool = False,
-) -> None:
+    files: Sequence[Path], style: Style, size: tuple[int, int] | None,
+    ground: GroundChoice | None, turning: bool, path: Path | None, profile: bool,
+) -> None:  # fmt: skip
     """Play one clip, or two in step, as the command line and the last time left the window.
 
     size, ground: None for those of the last time; path: file of a camera path to follow.

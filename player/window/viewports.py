@@ -94,18 +94,19 @@ class Viewports:
         self._painted = wanted
 
     def organ_under(
-        self, scene: Scene, at: tuple[float, float]
+        self, scene: Scene, at: tuple[float, float], scale: float
     ) -> tuple[int | None, Place | None] | None:
-        """The track of the first clip's organ that is seen at a place of the picture, in pixels
-        from its top left corner, and where it was clicked; None over another clip.
+        """The track of the first clip's organ that is seen at a place of the picture, in units of
+        `scale` pixels from its top left corner, and where it was clicked; None over another clip.
         """
         assert self._painted
         size, panes, style, _ = self._painted
+        x, y = at[0] * scale, at[1] * scale
         for pane in panes:
             (left, _, width, height), seen = _places(pane, size)
-            if pane.clip == 0 and seen[0] <= at[0] < seen[0] + seen[2]:
-                x, y = at[0] - left, at[1]
-                renderer, whole = self._renderer(pane, style), (width, height)
+            if pane.clip == 0 and seen[0] <= x < seen[0] + seen[2]:
+                x, whole = x - left, (width, height)
+                renderer = self._renderer(pane, style)
                 track = renderer.organ_at(pane.day, pane.camera, style, (x, y), whole)
                 if track is None:
                     return None, None

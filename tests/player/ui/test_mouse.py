@@ -173,7 +173,7 @@ def test_every_control_does_its_action(context: moderngl.Context, panel: bool) -
         assert set(keys.ACTIONS) - set(desk.places) == KEYS_ALONE
     before = desk.scene
     for action in keys.ACTIONS.values():
-        slider = panel and action.name in ("larger", "shading")
+        slider = panel and action.name in ("points", "shading")
         if action.name in desk.places and not slider and not (panel and action.name in CHOICES):
             desk.click(action.name)
             assert desk.scene == action.do(before), action.name
@@ -182,7 +182,7 @@ def test_every_control_does_its_action(context: moderngl.Context, panel: bool) -
     desk.release()
 
 
-@pytest.mark.parametrize(("action", "value"), [("larger", "point_size"), ("shading", "eye_dome")])
+@pytest.mark.parametrize(("action", "value"), [("points", "point_size"), ("shading", "eye_dome")])
 def test_sliders_go_from_end_to_end(desk: Desk, action: str, value: str) -> None:
     desk.scene = replace(desk.scene, panel=True)
     desk.draw(3)
