@@ -14,8 +14,6 @@ if TYPE_CHECKING:
 
 SMALLEST, LARGEST = 0.05, 20.0  # point sizes; the command line allows the same
 FREE = 0.7  # share of a window's height that a plant has for itself
-WIPE_ENDS = (0.02, 0.98)  # shares of the width that the wipe's line stays between
-NO_KEYS = "Add camera keys first: K, on two days or more."
 NO_ORGAN = "Click an organ first."
 NO_PAIR = "Click an organ, then another one with Shift held, on this day or another."
 NO_EDITS = "Organs are corrected in a clip's own file: open it with `play`."
@@ -41,7 +39,7 @@ def look_from(scene: Scene, yaw: float, pitch: float = 0.0) -> Scene:
 
 def follow_path(scene: Scene) -> Scene:
     if not scene.path:
-        return scene.with_notice(NO_KEYS)
+        return scene.with_notice("Add camera keys first: K, on two days or more.")
     return replace(scene, following=not scene.following, turning=False)
 
 
@@ -85,9 +83,8 @@ def isolate_picked(scene: Scene) -> Scene:
 
 
 def wipe_to(scene: Scene, share: float) -> Scene:
-    """The wipe's line, to a share of the width."""
-    low, high = WIPE_ENDS
-    return replace(scene, wipe=min(max(share, low), high))
+    """The wipe's line, to a share of the width, but not out of sight."""
+    return replace(scene, wipe=min(max(share, 0.02), 0.98))
 
 
 def correct(scene: Scene, kind: str, name: str = "") -> Scene:
@@ -103,9 +100,7 @@ def correct(scene: Scene, kind: str, name: str = "") -> Scene:
 
 
 def escape(scene: Scene) -> Scene:
-    """Esc leaves the help first, then what is picked, then the full screen, then the window: but
-    there it asks, for who pressed it once too often would lose a view and a camera path.
-    """
+    """Leave the help, else what is picked, else the full screen; the window if pressed twice."""
     if scene.help:
         return replace(scene, help=False)
     if scene.style.picked is not None or scene.style.alone is not None:

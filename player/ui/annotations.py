@@ -10,6 +10,7 @@ from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Track
 from player.ui.theme import Pen, faint, one_line, packed, rgb
+from player.ui.timeline import Line
 from player.ui.widgets import bare_window, button, card
 from player.view.annotations import LINE, MAX_NAME, draw_organs, draw_ramp, draw_scale_bar
 from player.view.camera import Camera
@@ -94,32 +95,29 @@ def strip_height(scene: Scene) -> float:
 
 
 def draw_curve(
-    pen: Pen, scene: Scene, curves: Sequence[TraitCurve], ends: tuple[float, float], bottom: float
+    pen: Pen, scene: Scene, curves: Sequence[TraitCurve], line: Line, bottom: float
 ) -> Scene:
     """Draw the curve that the scene shows, with the band that the truth is likely in.
 
-    ends: where the timeline begins and ends; bottom: the height where the strip ends.
+    line: the timeline's; bottom: the height where the strip ends.
     """
     curve = next((one for one in curves if one.trait == scene.curve), None)
     if curve is None:
         return scene
-    theme, sheet, clock = pen.theme, pen.sheet, scene.timeline
+    theme, sheet = pen.theme, pen.sheet
     color = scene.clip.track_table[curve.track].color
-    paint, (left, right), top = packed(rgb(color)), ends, bottom - PLOT
-    across = (right - left) / (clock.last - clock.first)
-    x = [left + (time - clock.first) * across for time in curve.times]
+    paint, left, top = packed(rgb(color)), line.left, bottom - PLOT
+    x, now = [line.x_of(time) for time in curve.times], line.x_of(scene.timeline.day)
     y, high, low = (
         [bottom - PLOT * curve.level(value + side * margin) for value, margin in curve.points]
         for side in (0.0, 1.0, -1.0)
     )
-    ground = packed(faint(theme.veil, 0.75))
-    sheet.add_rect_filled((0.0, top - 10.0), pen.size, ground)
-    sheet.add_line((left, bottom), (right, bottom), packed(theme.track))
+    sheet.add_rect_filled((0.0, top - 10.0), pen.size, packed(faint(theme.veil, 0.75)))
+    sheet.add_line((left, bottom), (line.right, bottom), packed(theme.track))
     for i, j in pairwise(range(len(x))):
         corners = (x[i], high[i]), (x[j], high[j]), (x[j], low[j]), (x[i], low[i])
         sheet.add_quad_filled(*corners, packed(rgb(color, 0.25)))
         sheet.add_line((x[i], y[i]), (x[j], y[j]), paint, 2.0)
-    now = left + (clock.day - clock.first) * across
     sheet.add_line((now, top), (now, bottom), packed(theme.accent))
     for i, sure in enumerate(curve.sure):
         sheet.add_circle_filled((x[i], y[i]), DOT, paint if sure else packed(theme.veil))

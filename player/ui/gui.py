@@ -20,7 +20,6 @@ from player.view.state import Scene
 
 STILL = 4.0  # units that the mouse may move between press and release of a click
 NOWHERE = (-1e6, -1e6)  # the mouse, while it is outside the window
-BUTTONS = 3  # left, right and middle, in GLFW's order and ImGui's
 ZOOM_STEP = 1.12  # factor of one wheel notch
 TURN = math.radians(180.0)  # orbit of a drag over the window's height
 
@@ -89,10 +88,11 @@ class Gui:
             for down in (True, False):
                 io.add_key_event(found, down)
 
-    @property
-    def writes(self) -> bool:
-        """Whether a field is written in."""
-        return bool(imgui.get_io().want_text_input)
+    def takes(self, key: str) -> bool:
+        """Whether a key is for a field that is written in, or is Esc for a list that is open."""
+        flags = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
+        closes = key == "escape" and imgui.is_popup_open("", flags)
+        return closes or bool(imgui.get_io().want_text_input)
 
 
 class PlantMouse:

@@ -13,7 +13,7 @@ from player.ui.help import draw_help
 from player.ui.organ_info import OrganInfo
 from player.ui.panel import draw_panel, panel_width
 from player.ui.theme import DARK, LIGHT, Pen, faint, one_line, packed
-from player.ui.timeline import TimelineView
+from player.ui.timeline import Line, TimelineView
 from player.ui.widgets import FLAGS, bare_window, button, card
 from player.view.choices import Compare
 from player.view.colors import Colors
@@ -59,14 +59,12 @@ class Interface:
     """Belongs to one clip in one window, where the user calls it `name`.
 
     organs: what is known of them.
-    popup:  whether a list is open that Esc is to close.
     """
 
     def __init__(self, gui: Gui, clip: Clip, name: str) -> None:
         self._gui, self._name = gui, name
         self._colors, self.organs = Colors(clip), OrganInfo(clip)
         self.timeline, self.mouse = TimelineView(clip), PlantMouse()
-        self.popup = False
 
     def draw(
         self, screen: Framebuffer, scene: Scene, size: Size, scale: float, panes: Sequence[Pane]
@@ -101,8 +99,6 @@ class Interface:
             scene = draw_help(scene, self._gui, size)
         if shown.notice:
             _draw_notice(shown.notice, area)
-        either = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
-        self.popup = imgui.is_popup_open("", either)
         self._gui.end(screen)
         return scene
 
@@ -124,11 +120,13 @@ class Interface:
         with bare_window("controls", (0.0, height - CONTROLS), (width, CONTROLS)):
             scene = _row(scene, BEFORE, MARGIN, middle)
             scene = _row(scene, AFTER, right, middle)
-            ends = 2 * MARGIN + _width(BEFORE), right - MARGIN
+            left, others = 2 * MARGIN + _width(BEFORE), [one.time for one in scene.clip.held_out]
+            ends = left, max(right - MARGIN, left + 1.0)
+            line = Line(*ends, middle, (*scene.clip.times,), (*others,))
             if picked is not None and scene.curve:
                 curves = self.organs.curves(picked)
-                scene = annotations.draw_curve(pen, scene, curves, ends, height - BOTTOM)
-            scene = self.timeline.draw(pen, scene, ends)
+                scene = annotations.draw_curve(pen, scene, curves, line, height - BOTTOM)
+            scene = self.timeline.draw(pen, scene, line)
         speed, x = scene.timeline.speed, right + BUTTON + (GAP + SPEED) / 2
         pen.write(x, middle, SPEEDS.get(speed, f"{speed:.0f}×"), 17.0, pen.theme.text, True, 0.5)
         self.timeline.draw_key(pen, right + 16.0, height - 25.0)
@@ -169,19 +167,16 @@ def _width(names: Sequence[str]) -> float:
 
 def _row(scene: Scene, names: Sequence[str], left: float, middle: float) -> Scene:
     """Icon buttons in a row about a height, a large one among them; what is on has the accent."""
-    part, color, before = imgui.Col_, imgui.get_style_color_vec4, scene
+    part, color, paint = imgui.Col_, imgui.get_style_color_vec4, imgui_ctx.push_style_color
     for name in names:
         action, side = keys.ACTIONS[name], PLAY if name == "play" else BUTTON
-        on = bool(action.on and action.on(before))
+        on = bool(action.on and action.on(scene))
         icon = AT_END[scene.timeline.at_end] if name == "at end" else ICONS[name][-1 if on else 0]
         ground, text = part.button, part.check_mark if on else part.text
         if name == "play":
             ground, text = part.check_mark, part.window_bg
         imgui.set_cursor_screen_pos((left, middle - side / 2))
-        with (
-            imgui_ctx.push_style_color(part.button, color(ground)),
-            imgui_ctx.push_style_color(part.text, color(text)),
-        ):
+        with paint(part.button, color(ground)), paint(part.text, color(text)):
             scene = button(scene, name, icon, (side, side))
         left += WIDTHS.get(name, BUTTON) + GAP
     return scene

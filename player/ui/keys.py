@@ -27,7 +27,7 @@ FRAMES = 30  # a second, of the steps from frame to frame
 STEP = 1.15  # factor of point sizes
 WIPE_STEP = 0.05  # share of the width
 SIDES, WIPED = "front, side, back, top", "move the wipe"
-# What the mouse does (mouse.py), as the help tells it beside the keys.
+# What the mouse does (gui.py), as the help tells it beside the keys.
 MOUSE = {
     "Time": {"go to a day": ["Drag timeline"]},
     "View": {

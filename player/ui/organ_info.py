@@ -8,8 +8,6 @@ from gclip import Clip
 from player.view.dates import date_at
 from traits.curves import TraitCurve, trait_curves
 
-TOLD = ("length", "area")
-
 
 class OrganInfo:
     """Measures organs of one clip in a thread; the window never waits for it.
@@ -18,8 +16,7 @@ class OrganInfo:
     """
 
     def __init__(self, clip: Clip) -> None:
-        self._clip = clip
-        self._pool = ThreadPoolExecutor(1)
+        self._clip, self._pool = clip, ThreadPoolExecutor(1)
         self._curves: dict[int, Future[list[TraitCurve]]] = {}
         self.measuring = False
 
@@ -50,7 +47,7 @@ class OrganInfo:
             facts.append(("lost", date_at(clip.scans, organ.lost)))
         if not seen and day >= organ.born and clip.time_unit == "days":
             facts.append(("age", f"{day - organ.born:.1f} days"))
-        told = [curve for curve in self.curves(track) if curve.trait in TOLD]
+        told = [curve for curve in self.curves(track) if curve.trait in ("length", "area")]
         return facts + [(f"{curve.trait} now", _value_at(curve, day)) for curve in told]
 
 

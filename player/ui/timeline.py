@@ -75,13 +75,9 @@ class TimelineView:
         self._dates = short_dates([scan.date for scan in clip.scans])
         self.held = False
 
-    def draw(self, pen: Pen, scene: Scene, ends: tuple[float, float]) -> Scene:
-        """Draw it, and give the scene as the mouse changed it.
-
-        ends: where the line begins and ends, across the window that ImGui has begun.
-        """
-        y, others = pen.size[1] - 50.0, tuple(held.time for held in self._clip.held_out)
-        line = Line(ends[0], max(ends[1], ends[0] + 1.0), y, tuple(self._clip.times), others)
+    def draw(self, pen: Pen, scene: Scene, line: Line) -> Scene:
+        """Draw it on the window that ImGui has begun; gives the scene as the mouse changed it."""
+        y = line.height
         imgui.set_cursor_screen_pos((line.left - REACH / 2, y - REACH))
         imgui.invisible_button("timeline", (line.right - line.left + REACH, 2 * REACH))
         self.held, hovered = imgui.is_item_active(), imgui.is_item_hovered()

@@ -32,8 +32,7 @@ from player.window.glfw_window import Measures, listen, switch_fullscreen
 from player.window.opened_clip import FileWatch, KeptEdits, OpenClip
 from player.window.viewports import Viewports, fitted, home_camera
 
-NOTICE_SECONDS = 2.5  # that a notice stays at least
-READING = 0.06  # seconds for each of its characters
+NOTICE_SECONDS, READING = 1.5, 0.06  # that a notice stays, and for each of its characters
 TURN_SPEED = 0.35  # radians a second of the camera going round by itself
 SHORTEST = 1 / 150  # seconds from picture to picture: displays show no more
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
@@ -129,8 +128,8 @@ class Window:
             scene = replace(scene, camera=scene.path.at(scene.timeline.day))
         scene = self._exports.followed(scene)
         if scene.notice != self._notice:
-            seconds = max(NOTICE_SECONDS, READING * len(scene.notice))
-            self._notice, self._notice_ends = scene.notice, now + seconds
+            self._notice = scene.notice
+            self._notice_ends = now + NOTICE_SECONDS + READING * len(scene.notice)
         elif scene.notice and now > self._notice_ends:
             scene = scene.with_notice("")
         self.scene = scene
@@ -153,7 +152,7 @@ class Window:
             self.scene = replace(self.scene, wish=None, notice=told)
 
     def _press(self, key: str, shift: bool, repeated: bool) -> None:
-        if self._gui.writes or (key == "escape" and self._interface.popup):
+        if self._gui.takes(key):
             self._gui.type(key)
         else:
             self.scene = keys.pressed(self.scene, key.lower(), shift, repeated)

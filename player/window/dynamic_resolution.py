@@ -1,6 +1,4 @@
-"""Keeps motion smooth on slow machines: fewer movers and pixels while things move, all of them at
-rest.
-"""
+"""Fewer movers and pixels on slow machines while things move, and all of them at rest."""
 
 import math
 from dataclasses import dataclass
@@ -41,8 +39,7 @@ class DynamicResolution:
     def frame_took(self, seconds: float) -> None:
         """A picture at the present detail took so long."""
         verdict = (seconds > BUDGET) - (seconds < ROOMY * BUDGET)
-        in_a_row = verdict * self._streak > 0
-        self._streak = self._streak + verdict if in_a_row else verdict
+        self._streak = verdict + (self._streak if verdict * self._streak > 0 else 0)
         if abs(self._streak) == PATIENCE:
             self._level = min(max(self._level + verdict, 0), self._halvings + STEPS)
             self._streak = 0

@@ -19,7 +19,6 @@ from player.view.state import Exporting, Scene
 from player.window.opened_clip import OpenClip
 
 PATIENCE = 5.0  # seconds that a stopped export has for tidying up
-STILL = "still.png"
 
 
 def run(clip: str, film: Film, output: Path, events: Any) -> None:
@@ -106,7 +105,7 @@ class Exports:
         if self.state is not None:
             return scene.with_notice(f"{self.state.name} is being exported; E stops it.")
         if wish is Wish.PICTURE:
-            example, name = STILL, f"{name} {date_at(opened.clip.scans, day)}"
+            example, name = "still.png", f"{name} {date_at(opened.clip.scans, day)}"
         file, film = free_name(name, example), film_of(scene, example, area, name)
         format_of(file, film)
         self.begin(opened.file, film, file)

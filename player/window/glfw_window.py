@@ -12,7 +12,7 @@ from imgui_bundle import imgui
 
 from player.errors import PlayerError
 from player.gl.context import VERSIONS
-from player.ui.gui import BUTTONS, NOWHERE
+from player.ui.gui import NOWHERE
 
 glfw: Any = untyped  # its stubs leave out what handlers are given
 
@@ -102,8 +102,7 @@ def _created(size: tuple[int, int], title: str) -> Any:
     for version in VERSIONS:
         glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, version // 100)
         glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, version // 10 % 10)
-        handle = glfw.create_window(*size, title, None, None)
-        if handle:
+        if handle := glfw.create_window(*size, title, None, None):
             return handle
     return None
 
@@ -140,7 +139,7 @@ def listen(
         key(chr(code), shifted, repeating)
 
     def on_button(_: Any, code: int, action: int, modifiers: int) -> None:
-        if code < BUTTONS:
+        if code < imgui.MouseButton_.count:  # the same order as in GLFW
             io.add_key_event(imgui.Key.mod_shift, bool(modifiers & glfw.MOD_SHIFT))
             io.add_mouse_button_event(code, action == glfw.PRESS)
 

@@ -105,12 +105,12 @@ class Viewports:
         for pane in panes:
             (left, _, width, height), seen = _places(pane, size)
             if pane.clip == 0 and seen[0] <= x < seen[0] + seen[2]:
-                x, whole = x - left, (width, height)
-                renderer = self._renderer(pane, style)
-                track = renderer.organ_at(pane.day, pane.camera, style, (x, y), whole)
+                renderer, place, whole = self._renderer(pane, style), (x - left, y), (width, height)
+                track = renderer.organ_at(pane.day, pane.camera, style, place, whole)
                 if track is None:
                     return None, None
-                view = pane.camera, width / height, (2 * x / width - 1, 1 - 2 * y / height)
+                at = 2 * (x - left) / width - 1, 1 - 2 * y / height
+                view = pane.camera, width / height, at
                 return track, organ_place(scene.clip, track, pane.day, view)
         return None
 

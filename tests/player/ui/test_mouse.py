@@ -200,10 +200,10 @@ def test_lists_choose(desk: Desk, action: str) -> None:
     opened(desk)
     before = desk.scene
     desk.click(action)
-    assert desk.interface.popup
+    assert desk.gui.takes("escape")
     desk.gui.type("escape")
     desk.draw(3)
-    assert not desk.interface.popup, "Esc closes it"
+    assert not desk.gui.takes("escape"), "Esc closes it"
     assert desk.scene == before
     desk.click(action)
     names = {
@@ -211,7 +211,7 @@ def test_lists_choose(desk: Desk, action: str) -> None:
         "format": "film.webm", "size": "1280 × 720",
     }  # fmt: skip
     desk.click(names[action])
-    assert not desk.interface.popup
+    assert not desk.gui.takes("escape")
     assert desk.scene != before
 
 
@@ -255,11 +255,11 @@ def test_an_organ_is_named_in_the_panel(context: moderngl.Context) -> None:
     desk.scene = replace(desk.scene, panel=True, style=picked, chosen=(place,), edits=Edits())
     desk.draw(3)
     desk.click("##called")
-    assert desk.gui.writes
+    assert desk.gui.takes("a")
     for key in ("F", "l", "a", "g", "x", "backspace", "enter"):
         desk.gui.type(key)
         desk.draw(3)
-    assert not desk.gui.writes
+    assert not desk.gui.takes("a")
     assert desk.scene.edits is not None
     assert desk.scene.edits.now == (Correction("name", (place,), "Flag"),)
     desk.release()
