@@ -52,12 +52,13 @@ def _controls(scene: Scene, section: str) -> Scene:
         imgui.table_setup_column("control", imgui.TableColumnFlags_.width_stretch)
         imgui.table_setup_column("key", imgui.TableColumnFlags_.width_fixed)
         for action in keys.TABLE[section]:
-            if action.repeats:
-                continue  # it is for keys alone
+            choice = action if isinstance(action, Choice) else None
+            if action.repeats or (choice and len(choice.values(scene)) < 2):
+                continue  # it is for keys alone, or there is nothing to choose
             imgui.table_next_column()
-            if isinstance(action, Choice):
-                draw = _slider if isinstance(action.now(scene), float) else _list
-                scene = draw(scene, action)
+            if choice:
+                draw = _slider if isinstance(choice.now(scene), float) else _list
+                scene = draw(scene, choice)
             elif action.on:
                 changed, _ = imgui.checkbox(action.help.capitalize(), action.on(scene))
                 scene = action.do(scene) if changed else scene

@@ -109,8 +109,7 @@ class Viewports:
                 track = renderer.organ_at(pane.day, pane.camera, style, place, whole)
                 if track is None:
                     return None, None
-                at = 2 * (x - left) / width - 1, 1 - 2 * y / height
-                view = pane.camera, width / height, at
+                view = pane.camera, width / height, (2 * (x - left) / width - 1, 1 - 2 * y / height)
                 return track, organ_place(scene.clip, track, pane.day, view)
         return None
 
