@@ -113,7 +113,6 @@ class Window:
             (self.scene.timeline.playing and not self._interface.timeline.held)
             or self.scene.turning
             or self.scene.notice != ""
-            or self._interface.organs.measuring
             or glfw.get_time() < self._changed_at + SETTLING
             or not self.viewports.whole
         )
@@ -177,7 +176,8 @@ class Window:
     def _draw(self) -> None:
         """Draw the next picture, if it may differ from the last one."""
         scene, measures, now = self.scene, self._measures, glfw.get_time()
-        if (scene, measures) != self._drawn or self._gui.pending:
+        measuring = self._interface.organs.measuring  # what is measured changes a card
+        if (scene, measures) != self._drawn or self._gui.pending or measuring:
             self._changed_at = now
         elif not self._lively:
             return
