@@ -188,8 +188,8 @@ def play_command(
         for line in info_lines(gclip.open(clip), clip):
             typer.echo(printable(line, MAX_LETTERS))
     else:
-        wanted = _size(size) if size else None
-        player.window.start(files, style, wanted, ground, turning, path, profile)
+        look = style, _size(size) if size else None, ground, turning, path
+        player.window.start(files, *look, profile=profile)
 
 
 def _check_baked(file: Path) -> None:

@@ -77,11 +77,10 @@ class TimelineView:
 
     def draw(self, pen: Pen, scene: Scene, line: Line) -> Scene:
         """Draw it on the window that ImGui has begun; gives the scene as the mouse changed it."""
-        y = line.height
+        y, pointed = line.height, imgui.get_mouse_pos().x
         imgui.set_cursor_screen_pos((line.left - REACH / 2, y - REACH))
         imgui.invisible_button("timeline", (line.right - line.left + REACH, 2 * REACH))
         self.held, hovered = imgui.is_item_active(), imgui.is_item_hovered()
-        pointed = imgui.get_mouse_pos().x
         if self.held or imgui.is_item_deactivated():  # it may be let go where it has just come to
             scene = scene.with_timeline(lambda timeline: timeline.at(line.day_at(pointed)))
         day = scene.timeline.day
