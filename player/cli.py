@@ -37,7 +37,7 @@ PANELS = {
     "View": "size camera color colormap field ground point_size shading depth_cue floor",
     "Export": "export force list_exports fps seconds every day title date scale_bar legend "
     "transparent",
-    "Window": "kiosk profile",
+    "Window": "profile",
 }
 """The options by what they are about, in the order of `play --help`."""
 
@@ -133,7 +133,6 @@ def play_command(
     scale_bar: Annotated[bool, _flag("Draw a scale bar into pictures.")] = False,
     legend: Annotated[bool, _flag("Explain the colours in pictures.")] = False,
     transparent: Annotated[bool, _flag("Leave the background out of PNGs.")] = False,
-    kiosk: Annotated[bool, _flag("Full screen, looping, without controls.")] = False,
     profile: Annotated[bool, _flag("Say in the end how long pictures took to draw.")] = False,
     force: Annotated[bool, _flag("Overwrite an output that exists.")] = False,
     quiet: Annotated[bool, _flag("Say nothing but errors.", "--quiet", "-q")] = False,
@@ -189,7 +188,7 @@ def play_command(
             typer.echo(printable(line, MAX_LETTERS))
     else:
         look = style, _size(size) if size else None, ground, turning, path
-        player.window.start(files, *look, kiosk=kiosk, profile=profile)
+        player.window.start(files, *look, profile=profile)
 
 
 def _check_baked(file: Path) -> None:

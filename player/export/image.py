@@ -10,9 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from gclip.terminal.atomic import atomic_file
 from player.export.film import Film, Progress
-from player.output_names import free_name, is_numbered, numbered
+from player.output_names import is_numbered, numbered
 
 JPEG_SUFFIXES = (".jpg", ".jpeg")
 JPEG = {"quality": 92, "subsampling": 0}  # thin leaves keep their colour
@@ -30,19 +29,6 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     with closing(film.pictures(clip, progress)) as pictures:
         for index, (picture, view) in enumerate(zip(pictures, views, strict=True)):
             _save(picture, numbered(path, index), view)
-
-
-def save_screenshot(pixels: bytes, size: tuple[int, int], title: str) -> Path:
-    """Write what a window shows to a new PNG file in the working folder, named after `title`.
-
-    pixels: RGB, bottom row first; size: (width, height).
-    Returns the file. Raises PlayerError where it can't be written.
-    """
-    path = free_name(title, "still.png")
-    picture = np.frombuffer(pixels, np.uint8).reshape(size[1], size[0], 3)[::-1]
-    with atomic_file(path) as part:
-        part.write_bytes(_encoded(picture))
-    return path
 
 
 def _save(picture: NDArray[np.uint8], path: Path, view: NDArray[np.floating]) -> None:

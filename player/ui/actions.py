@@ -3,77 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from operator import attrgetter
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
-import player.export
 from gclip.corrections import Correction, Place
-from player.view.choices import SIZES, Compare, Wish, sentence
-from player.view.playback import AtEnd
-from player.view.style import ColorMap
+from player.view.choices import sentence
 
 if TYPE_CHECKING:
     from player.view.state import Scene
 
 SMALLEST, LARGEST = 0.05, 20.0  # point sizes; the command line allows the same
-FEWEST, MOST = 1.0, 40.0  # diameter of points sized in pixels
 FREE = 0.7  # share of a window's height that a plant has for itself
-WIPE_ENDS = (0.02, 0.98)  # shares of the width that the wipe's line stays between
-NO_KEYS = "Add camera keys first: K, on two days or more."
 NO_ORGAN = "Click an organ first."
 NO_PAIR = "Click an organ, then another one with Shift held, on this day or another."
 NO_EDITS = "Organs are corrected in a clip's own file: open it with `play`."
 QUIT_NEXT = "Press Esc again to quit."
-
-
-@dataclass(frozen=True)
-class Choice:
-    """One of several values: a key goes on to the next one, and the panel lists them all."""
-
-    label: str
-    field: str  #: of the scene, or of a part of it: "curve", "style.color_map"
-    values: Callable[[Scene], Sequence[Any]]
-    name: Callable[[Any], str] = str  #: of a value, as the panel lists it
-    #: why a value can't be chosen, and how it could; "" where it can
-    lacking: Callable[[Scene, Any], str] = lambda scene, value: ""
-
-    def now(self, scene: Scene) -> Any:
-        """What is chosen; the first of the values where that is none of them."""
-        values, found = self.values(scene), attrgetter(self.field)(scene)
-        return next((value for value in values if value == found), values[0])
-
-    def choose(self, scene: Scene, value: Any) -> Scene:
-        if lacking := self.lacking(scene, value):
-            return scene.with_notice(lacking[0].upper() + lacking[1:])
-        return scene.changed(self.field, value, f"{self.label}: {self.name(value)}")
-
-    def next(self, scene: Scene) -> Scene:
-        """Choose the next value that can be chosen, after the last one the first."""
-        values = [value for value in self.values(scene) if not self.lacking(scene, value)]
-        return self.choose(scene, values[(values.index(self.now(scene)) + 1) % len(values)])
-
-
-COLOR = Choice(
-    "Colour", "style.color_by", lambda scene: scene.color_modes,
-    lambda mode: mode.label, lambda scene, mode: mode.lacking(scene.clip),
-)  # fmt: skip
-FIELD = Choice("Field", "style.field", lambda scene: [one.name for one in scene.clip.fields])
-COLOR_MAP = Choice("Colours", "style.color_map", lambda scene: list(ColorMap))
-CURVE = Choice("Plot", "curve", lambda scene: [*scene.curves, ""], lambda name: name or "nothing")
-COMPARE = Choice("Compare", "compare", lambda scene: list(Compare))
-SHADING = Choice(
-    "Shading", "style.eye_dome", lambda scene: (0.0, 1.0, 2.0), lambda share: f"{share:.0%}"
-)
-AT_END = Choice("At the end", "timeline.at_end", lambda scene: list(AtEnd))
-FORMAT = Choice(
-    "Export", "output.example", lambda scene: [one.example for one in player.export.FORMATS]
-)
-SIZE = Choice(
-    "Pictures", "output.size", lambda scene: SIZES,
-    lambda size: f"{size[0]} × {size[1]}" if size else "as the window",
-)  # fmt: skip
 
 
 def go_home(scene: Scene) -> Scene:
@@ -93,35 +37,14 @@ def look_from(scene: Scene, yaw: float, pitch: float = 0.0) -> Scene:
     return replace(scene, camera=camera, turning=False, following=False)
 
 
-def add_key(scene: Scene) -> Scene:
-    path = scene.path.with_key(scene.timeline.day, scene.camera)
-    return replace(scene, path=path, notice=f"Camera key {len(path.keys)} added")
-
-
-def remove_key(scene: Scene) -> Scene:
-    if not scene.path:
-        return scene.with_notice("There is no camera key.")
-    path = scene.path.without_key(scene.timeline.day)
-    following = scene.following and bool(path)
-    return replace(scene, path=path, following=following, notice="Camera key removed")
-
-
 def follow_path(scene: Scene) -> Scene:
     if not scene.path:
-        return scene.with_notice(NO_KEYS)
+        return scene.with_notice("Add camera keys first: K, on two days or more.")
     return replace(scene, following=not scene.following, turning=False)
 
 
-def save_path(scene: Scene) -> Scene:
-    return replace(scene, wish=Wish.SAVE_PATH) if scene.path else scene.with_notice(NO_KEYS)
-
-
 def resize_points(scene: Scene, factor: float) -> Scene:
-    style = scene.style
-    if style.pixels is not None:
-        pixels = min(max(style.pixels * factor, FEWEST), MOST)
-        return scene.with_style(f"Points of {pixels:.1f} pixels", pixels=pixels)
-    size = min(max(style.point_size * factor, SMALLEST), LARGEST)
+    size = min(max(scene.style.point_size * factor, SMALLEST), LARGEST)
     size = 1.0 if abs(size - 1.0) < 0.01 else size
     return scene.with_style(f"Point size {size:.0%}", point_size=size)
 
@@ -160,9 +83,8 @@ def isolate_picked(scene: Scene) -> Scene:
 
 
 def wipe_to(scene: Scene, share: float) -> Scene:
-    """The wipe's line, to a share of the width."""
-    low, high = WIPE_ENDS
-    return replace(scene, wipe=min(max(share, low), high))
+    """The wipe's line, to a share of the width, but not out of sight."""
+    return replace(scene, wipe=min(max(share, 0.02), 0.98))
 
 
 def correct(scene: Scene, kind: str, name: str = "") -> Scene:
@@ -178,15 +100,13 @@ def correct(scene: Scene, kind: str, name: str = "") -> Scene:
 
 
 def escape(scene: Scene) -> Scene:
-    """Esc leaves the help first, then what is picked, then the full screen, then the window: but
-    there it asks, for who pressed it once too often would lose a view and a camera path.
-    """
+    """Leave the help, else what is picked, else the full screen; the window if pressed twice."""
     if scene.help:
         return replace(scene, help=False)
     if scene.style.picked is not None or scene.style.alone is not None:
         return replace(scene.with_style(picked=None, alone=None), chosen=())
-    if scene.fullscreen and not scene.kiosk:
+    if scene.fullscreen:
         return replace(scene, fullscreen=False)
-    if scene.kiosk or scene.notice == QUIT_NEXT:
+    if scene.notice == QUIT_NEXT:
         return replace(scene, closed=True)
     return scene.with_notice(QUIT_NEXT)

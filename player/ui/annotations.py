@@ -1,25 +1,29 @@
-"""What helps to read the picture in the window: guides, captions, the picked organ, an export."""
+"""What helps to read the picture in the window: guides, captions, the picked organ and how it
+grows, an export.
+"""
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Track
-from player.ui.pen import Pen, fitted
-from player.ui.theme import packed, rgb
-from player.ui.widgets import card
-from player.view.annotations import LINE, draw_organs, draw_ramp, draw_scale_bar
+from player.ui.theme import Pen, faint, one_line, packed, rgb
+from player.ui.timeline import Line
+from player.ui.widgets import bare_window, button, card
+from player.view.annotations import LINE, MAX_NAME, draw_organs, draw_ramp, draw_scale_bar
 from player.view.camera import Camera
-from player.view.colors import ValueRange
+from player.view.colors import ValueRange, format_number
 from player.view.split_view import Pane
 from player.view.state import Exporting, Scene
+from traits.curves import TraitCurve
 
-SIZE = 14.0
-AXIS = 24.0  # length of an axis
-CARD_WIDTH, PROGRESS_WIDTH = 190.0, 270.0
-HANDLE = 13.0  # radius of the wipe's
-DOT, BOTH_WAYS = "\uf111", "\uf337"  # icons
+SIZE, AXIS, HANDLE = 14.0, 24.0, 13.0  # of letters; length of an axis; radius of the wipe's
+PROGRESS_WIDTH = 270.0
+PLOT, STRIP, BUTTON = 76.0, 96.0, 26.0  # heights: of the plot, of all that it takes, of its button
+GAP, DOT = 14.0, 3.5  # between what is written and the plot; radius of its dots
+DOT_ICON, BOTH_WAYS = "\uf111", "\uf337"  # icons
 
 
 def draw_guides(pen: Pen, scene: Scene, values: ValueRange | None) -> None:
@@ -49,18 +53,17 @@ def draw_axes(pen: Pen, camera: Camera) -> None:
 
 def draw_organ(pen: Pen, organ: Track, facts: Sequence[tuple[str, str]]) -> None:
     """A card about the picked organ, on the left under the title."""
-    width = min(CARD_WIDTH, pen.size[0] - 2 * pen.insets[0])
     with card("organ", pen.insets[:2], (0.0, 0.0), pen.size[0]):
-        imgui.text_colored(imgui.ImVec4(*rgb(organ.color)), DOT)
+        imgui.text_colored(rgb(organ.color), DOT_ICON)
         imgui.same_line()
         with imgui_ctx.push_font(pen.bold, 16.0):
-            imgui.text_unformatted(fitted(organ.name, width - 24.0))
-        for what, value in facts:
-            imgui.text_disabled(fitted(what, width))
-            imgui.same_line()
-            value = fitted(value, width - imgui.calc_text_size(what).x - 12.0)
-            imgui.set_cursor_pos_x(12.0 + width - imgui.calc_text_size(value).x)
-            imgui.text_unformatted(value)
+            imgui.text_unformatted(one_line(organ.name, MAX_NAME))
+        with imgui_ctx.begin_table("facts", 2, imgui.TableFlags_.sizing_fixed_fit):
+            for what, value in facts:
+                imgui.table_next_column()
+                imgui.text_disabled(one_line(what, MAX_NAME))
+                imgui.table_next_column()
+                imgui.text_unformatted(one_line(value, MAX_NAME))
 
 
 def draw_captions(pen: Pen, panes: Sequence[Pane], bottom: float) -> None:
@@ -73,16 +76,57 @@ def draw_captions(pen: Pen, panes: Sequence[Pane], bottom: float) -> None:
             pen.sheet.add_circle_filled((x, middle), HANDLE, packed(theme.card))
             pen.write(x, middle, BOTH_WAYS, SIZE, theme.text, align=0.5)
     for number, pane in enumerate(panes):
-        room = (pane.right - pane.left) * width - 24.0
-        if pane.caption and room >= 40.0:
+        if pane.caption:
             place = (pane.left + pane.right) / 2 * width, height - bottom - 15.0
             with card(f"caption {number}", place, (0.5, 0.0), width):
-                imgui.text_unformatted(fitted(pane.caption, room))
+                imgui.text_unformatted(one_line(pane.caption, MAX_NAME))
 
 
 def draw_progress(pen: Pen, export: Exporting, bottom: float) -> None:
     """How far an export has come, in the middle above the timeline."""
-    width = min(PROGRESS_WIDTH, pen.size[0] - 2 * pen.insets[0])
     with card("export", (pen.size[0] / 2, pen.size[1] - bottom - 20.0), (0.5, 1.0), pen.size[0]):
-        text = f"{fitted(export.name, width - 100.0)}: E stops it"
-        imgui.progress_bar(export.done / max(export.total, 1), (width, 0.0), text)
+        text = f"{one_line(export.name, MAX_NAME)}: E stops it"
+        imgui.progress_bar(export.done / max(export.total, 1), (PROGRESS_WIDTH, 0.0), text)
+
+
+def strip_height(scene: Scene) -> float:
+    """What the plot takes of a window's height, in units; 0 where nothing is plotted."""
+    return STRIP if scene.style.picked is not None and scene.curve else 0.0
+
+
+def draw_curve(
+    pen: Pen, scene: Scene, curves: Sequence[TraitCurve], line: Line, bottom: float
+) -> Scene:
+    """Draw the curve that the scene shows, with the band that the truth is likely in.
+
+    line: the timeline's; bottom: the height where the strip ends.
+    """
+    curve = next((one for one in curves if one.trait == scene.curve), None)
+    if curve is None:
+        return scene
+    theme, sheet = pen.theme, pen.sheet
+    color = scene.clip.track_table[curve.track].color
+    paint, left, top = packed(rgb(color)), line.left, bottom - PLOT
+    x, now = [line.x_of(time) for time in curve.times], line.x_of(scene.timeline.day)
+    y, high, low = (
+        [bottom - PLOT * curve.level(value + side * margin) for value, margin in curve.points]
+        for side in (0.0, 1.0, -1.0)
+    )
+    sheet.add_rect_filled((0.0, top - 10.0), pen.size, packed(faint(theme.veil, 0.75)))
+    sheet.add_line((left, bottom), (line.right, bottom), packed(theme.track))
+    for i, j in pairwise(range(len(x))):
+        corners = (x[i], high[i]), (x[j], high[j]), (x[j], low[j]), (x[i], low[i])
+        sheet.add_quad_filled(*corners, packed(rgb(color, 0.25)))
+        sheet.add_line((x[i], y[i]), (x[j], y[j]), paint, 2.0)
+    sheet.add_line((now, top), (now, bottom), packed(theme.accent))
+    for i, sure in enumerate(curve.sure):
+        sheet.add_circle_filled((x[i], y[i]), DOT, paint if sure else packed(theme.veil))
+        sheet.add_circle((x[i], y[i]), DOT, paint, 0, 1.5)
+    for value, height in ((curve.top, top + SIZE / 2), (curve.bottom, bottom - SIZE / 2)):
+        text = format_number(value) + curve.unit
+        pen.write(left - GAP, height, text, SIZE, theme.muted, align=1.0)
+    with bare_window("curve", (0.0, top + 22.0), (left - GAP + 6.0, BUTTON)):
+        name = curve.trait.capitalize()
+        width = pen.width(name, 15.0) + 18.0
+        imgui.set_cursor_pos((max(left - GAP + 6.0 - width, 0.0), 0.0))
+        return button(scene, "curve", name, (width, BUTTON))

@@ -7,7 +7,7 @@ from imgui_bundle import imgui, imgui_ctx
 from player.ui import keys
 from player.ui.gui import Gui
 from player.ui.theme import faint, packed
-from player.ui.widgets import BARE, bare_window
+from player.ui.widgets import FLAGS, SOLID, bare_window
 from player.view.state import Scene
 
 COLUMNS = (("Time", "Organs"), ("View", "Corrections", "Compare"), ("Look", "Export", "Window"))
@@ -18,17 +18,16 @@ BETWEEN, PADDING, EDGE = 36.0, 24.0, 12.0  # columns; about them; from the windo
 def draw_help(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
     """Over everything in a window of `size` units; it scrolls if need be, and a click closes it."""
     with bare_window("shade", (0.0, 0.0), size):
-        shade = packed(faint(gui.theme.veil, 0.7))
-        imgui.get_window_draw_list().add_rect_filled((0.0, 0.0), size, shade)
-    largest = size[0] - 2 * EDGE, size[1] - 2 * EDGE
+        sheet, shade = imgui.get_window_draw_list(), packed(faint(gui.theme.veil, 0.7))
+        sheet.add_rect_filled((0.0, 0.0), size, shade)
     imgui.set_next_window_pos((size[0] / 2, size[1] / 2), 0, (0.5, 0.5))
-    imgui.set_next_window_size_constraints((0.0, 0.0), largest)
-    flags = BARE & ~imgui.WindowFlags_.no_background & ~imgui.WindowFlags_.no_scrollbar
+    imgui.set_next_window_size_constraints((0.0, 0.0), (size[0] - 2 * EDGE, size[1] - 2 * EDGE))
+    flags = SOLID & ~FLAGS.no_scrollbar | FLAGS.always_auto_resize
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.window_rounding, 14.0),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (PADDING, PADDING)),
-        imgui_ctx.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*gui.theme.card)),
-        imgui_ctx.begin("help", None, flags | imgui.WindowFlags_.always_auto_resize),
+        imgui_ctx.push_style_color(imgui.Col_.window_bg, gui.theme.card),
+        imgui_ctx.begin("help", None, flags),
     ):
         with imgui_ctx.push_font(gui.bold, 20.0):
             imgui.text_unformatted("Keys and mouse")
@@ -50,10 +49,9 @@ def _draw_section(gui: Gui, name: str, rows: dict[str, list[str]]) -> None:
     with imgui_ctx.push_font(gui.bold, 15.0):
         imgui.text_colored(gui.theme.accent, name)
     flags = imgui.TableFlags_.sizing_fixed_fit | imgui.TableFlags_.no_host_extend_x
-    if imgui.begin_table(name, 2, flags):
+    with imgui_ctx.begin_table(name, 2, flags):
         for text, labels in rows.items():
             imgui.table_next_column()
             imgui.text_unformatted("   ".join(labels))
             imgui.table_next_column()
             imgui.text_disabled(text)
-        imgui.end_table()

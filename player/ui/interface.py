@@ -2,45 +2,41 @@
 
 from collections.abc import Sequence
 
-import moderngl
 from imgui_bundle import imgui, imgui_ctx
+from moderngl import Framebuffer
 
 from gclip import Clip
-from player.ui import actions
-from player.ui.annotations import draw_captions, draw_guides, draw_organ, draw_progress
-from player.ui.curves import draw_curve, strip_height
-from player.ui.gui import Gui
+from player.ui import actions, annotations, keys
+from player.ui.annotations import strip_height
+from player.ui.gui import Gui, PlantMouse
 from player.ui.help import draw_help
-from player.ui.mouse import PlantMouse
 from player.ui.organ_info import OrganInfo
 from player.ui.panel import draw_panel, panel_width
-from player.ui.pen import Pen, fitted, one_line
-from player.ui.theme import faint, packed, theme_of
-from player.ui.timeline import TimelineView
-from player.ui.widgets import bare_window, button, card
+from player.ui.theme import DARK, LIGHT, Pen, faint, one_line, packed
+from player.ui.timeline import Line, TimelineView
+from player.ui.widgets import FLAGS, bare_window, button, card
 from player.view.choices import Compare
 from player.view.colors import Colors
-from player.view.dates import date_at
 from player.view.playback import AtEnd
 from player.view.split_view import Pane
 from player.view.state import Scene
 
+Size = tuple[float, float]  # width and height in units
 TOP, BOTTOM = 80.0, 124.0  # heights of the strips that hold title and buttons, and the timeline
 CAPTION = 36.0  # of the one that tells what is compared
 CONTROLS = 84.0  # height of what the mouse can hold in the lower one
-BUTTON, PLAY, GAP, SPEED = 32.0, 44.0, 4.0, 40.0
-TITLE = 150.0  # width that the title keeps beside the buttons
-ROOMY = (520.0, 420.0)  # smaller windows lack buttons that keys do as well, and annotations
+MARGIN, BUTTON, PLAY, GAP, SPEED = 24.0, 32.0, 44.0, 4.0, 40.0
 WIPE_REACH = 9.0  # how far from the wipe's line the mouse still takes hold of it
 
-TOOLS = (  # the last ones, as many as there is room for
+TOOLS = (
     "smaller", "larger", "turn", "picture", "fullscreen", "ground", "color", "fit", "panel", "help",
 )  # fmt: skip
 BEFORE, AFTER = ("previous", "play", "next"), ("slower", "faster", "at end")  # the timeline
 WIDTHS = {"play": PLAY, "slower": BUTTON + SPEED}  # other than BUTTON's
-# Font Awesome 6, by the name of the action that the button does.
+# Font Awesome 6, by the name of the action that the button does; the second one while it is on.
 ICONS = {
     "previous": "\uf048",
+    "play": "\uf04b\uf04c",
     "next": "\uf051",
     "slower": "\uf068",
     "faster": "\uf067",
@@ -50,6 +46,8 @@ ICONS = {
     "turn": "\uf2f9",
     "fit": "\uf05b",
     "picture": "\uf030",
+    "ground": "\uf185\uf186",
+    "fullscreen": "\uf065\uf066",
     "panel": "\uf1de",
     "help": "\uf128",
 }
@@ -61,112 +59,78 @@ class Interface:
     """Belongs to one clip in one window, where the user calls it `name`.
 
     organs: what is known of them.
-    popup:  whether a list is open that Esc is to close.
     """
 
     def __init__(self, gui: Gui, clip: Clip, name: str) -> None:
         self._gui, self._name = gui, name
         self._colors, self.organs = Colors(clip), OrganInfo(clip)
-        self.timeline = TimelineView(clip)
-        self.mouse = PlantMouse()
-        self.popup = False
+        self.timeline, self.mouse = TimelineView(clip), PlantMouse()
 
     def draw(
-        self,
-        framebuffer: moderngl.Framebuffer,
-        scene: Scene,
-        size: tuple[float, float],
-        scale: float,
-        panes: Sequence[Pane] = (),
+        self, screen: Framebuffer, scene: Scene, size: Size, scale: float, panes: Sequence[Pane]
     ) -> Scene:
-        """Draw over a framebuffer that holds the plant, and give the scene as the mouse changed it.
+        """Draw over a screen that holds the plant, and give the scene as the mouse changed it.
 
         size, scale: (width, height) of the window in units, and the pixels in a unit.
         panes:       what is seen, from left to right.
         """
         shown, self.organs.measuring = scene, False
-        self._gui.begin(size, scale, theme_of(scene.style.ground))
-        area = (size[0] - panel_width(scene, size[0]), size[1])
-        margin = 24.0 if area[0] >= ROOMY[0] else 14.0
-        below = BOTTOM + strip_height(scene, area[1])
-        below += CAPTION if len(panes) > 1 else 0.0
-        insets = (margin, TOP - 8.0, margin, below)
-        pen = Pen(self._gui, imgui.get_background_draw_list(), area, insets)
+        self._gui.begin(size, scale, LIGHT if scene.style.ground == "light" else DARK)
+        area = (size[0] - panel_width(scene), size[1])
+        bottom, picked = BOTTOM + strip_height(scene), scene.style.picked
+        below = bottom + (CAPTION if len(panes) > 1 else 0.0)
+        pen = Pen(self._gui.theme, self._gui.bold, area, (MARGIN, TOP - 8.0, MARGIN, below))
         scene = self.mouse.move(scene, area)
-        if shown.kiosk:
-            self._draw_kiosk(pen, shown)
-        else:
-            _draw_veils(pen)
-            self._draw_annotations(pen, shown, panes)
-            scene = self._draw_title(pen, scene)
-            scene = self._draw_controls(pen, scene)
-            if shown.compare is Compare.WIPE:
-                scene = _draw_wipe(pen, scene)
-            if shown.panel:
-                scene = draw_panel(scene, self._gui, size, (TOP, BOTTOM))
+        _draw_veils(pen)
+        annotations.draw_guides(pen, shown, self._colors.color_scale(shown.style))
+        annotations.draw_captions(pen, panes, bottom)
+        if picked is not None:
+            facts = self.organs.lines(shown.clip, picked, shown.timeline.day)
+            annotations.draw_organ(pen, shown.clip.track_table[picked], facts)
+        if shown.exporting is not None:
+            annotations.draw_progress(pen, shown.exporting, bottom)
+        scene = self._draw_title(pen, scene)
+        scene = self._draw_controls(pen, scene)
+        if shown.compare is Compare.WIPE:
+            scene = _draw_wipe(pen, scene)
+        if shown.panel:
+            scene = draw_panel(scene, self._gui, size)
         if shown.help:
             scene = draw_help(scene, self._gui, size)
         if shown.notice:
             _draw_notice(shown.notice, area)
-        either = imgui.PopupFlags_.any_popup_id | imgui.PopupFlags_.any_popup_level
-        self.popup = imgui.is_popup_open("", either)
-        self._gui.end(framebuffer)
+        self._gui.end(screen)
         return scene
 
     def _draw_title(self, pen: Pen, scene: Scene) -> Scene:
         """The clip's name, and the buttons beside it."""
-        theme, margin = pen.theme, pen.insets[0]
-        room = int((pen.size[0] - 2 * margin - TITLE) / (BUTTON + GAP))
-        tools = TOOLS[-max(room, 1) :]
-        left = pen.size[0] - margin - _width(tools)
-        with imgui_ctx.push_font(pen.bold, 20.0):
-            name = fitted(self._name, left - margin - 12.0)
-        pen.write(margin, margin + 9.0, name, 20.0, theme.text, bold=True)
-        scans, organs = len(scene.clip.scans), len(scene.clip.track_table)
-        text = fitted(f"{scans} scans, {organs} organs", left - margin - 12.0)
-        pen.write(margin, margin + 31.0, text, 15.0, theme.muted)
-        with bare_window("tools", (left, margin), (_width(tools), BUTTON)):
-            return _row(scene, tools, left, margin + BUTTON / 2)
+        left = pen.size[0] - MARGIN - _width(TOOLS)
+        with bare_window("title", (MARGIN,) * 2, (left - MARGIN - 12.0, 44.0), FLAGS.no_inputs):
+            with imgui_ctx.push_font(pen.bold, 20.0):
+                imgui.text_unformatted(one_line(self._name))
+            scans, organs = len(scene.clip.scans), len(scene.clip.track_table)
+            imgui.text_disabled(f"{scans} scans, {organs} organs")
+        with bare_window("tools", (left, MARGIN), (_width(TOOLS), BUTTON)):
+            return _row(scene, TOOLS, left, MARGIN + BUTTON / 2)
 
     def _draw_controls(self, pen: Pen, scene: Scene) -> Scene:
         """The timeline, and the buttons at both of its ends."""
-        (width, height), margin, picked = pen.size, pen.insets[0], scene.style.picked
-        roomy, middle = width >= ROOMY[0], height - 50.0  # of the timeline's line
-        before, after = (BEFORE, AFTER) if roomy else (("play",), ("at end",))
-        right = width - margin - _width(after)
+        (width, height), picked = pen.size, scene.style.picked
+        middle, right = height - 50.0, width - MARGIN - _width(AFTER)  # of the line; the buttons'
         with bare_window("controls", (0.0, height - CONTROLS), (width, CONTROLS)):
-            scene = _row(scene, before, margin, middle)
-            scene = _row(scene, after, right, middle)
-            ends = 2 * margin + _width(before), right - margin
-            if picked is not None and strip_height(scene, height):
+            scene = _row(scene, BEFORE, MARGIN, middle)
+            scene = _row(scene, AFTER, right, middle)
+            left, others = 2 * MARGIN + _width(BEFORE), [one.time for one in scene.clip.held_out]
+            ends = left, max(right - MARGIN, left + 1.0)
+            line = Line(*ends, middle, (*scene.clip.times,), (*others,))
+            if picked is not None and scene.curve:
                 curves = self.organs.curves(picked)
-                scene = draw_curve(pen, scene, curves, ends, height - BOTTOM)
-            scene = self.timeline.draw(pen, scene, ends)
-        if roomy:
-            speed, x = scene.timeline.speed, right + BUTTON + (GAP + SPEED) / 2
-            text = SPEEDS.get(speed, f"{speed:.0f}×")
-            pen.write(x, middle, text, 17.0, pen.theme.text, True, 0.5)
-            self.timeline.draw_key(pen, right + 16.0, height - 25.0)
+                scene = annotations.draw_curve(pen, scene, curves, line, height - BOTTOM)
+            scene = self.timeline.draw(pen, scene, line)
+        speed, x = scene.timeline.speed, right + BUTTON + (GAP + SPEED) / 2
+        pen.write(x, middle, SPEEDS.get(speed, f"{speed:.0f}×"), 17.0, pen.theme.text, True, 0.5)
+        self.timeline.draw_key(pen, right + 16.0, height - 25.0)
         return scene
-
-    def _draw_annotations(self, pen: Pen, scene: Scene, panes: Sequence[Pane]) -> None:
-        picked, bottom = scene.style.picked, BOTTOM + strip_height(scene, pen.size[1])
-        if len(panes) > 1:
-            draw_captions(pen, panes, bottom)
-        if pen.size[0] >= ROOMY[0] and pen.size[1] >= ROOMY[1]:
-            draw_guides(pen, scene, self._colors.color_scale(scene.style))
-            if picked is not None:
-                facts = self.organs.lines(scene.clip, picked, scene.timeline.day)
-                draw_organ(pen, scene.clip.track_table[picked], facts)
-        if scene.exporting is not None:
-            draw_progress(pen, scene.exporting, bottom)
-
-    def _draw_kiosk(self, pen: Pen, scene: Scene) -> None:
-        """The date, and nothing that could be pressed."""
-        x, y = pen.insets[0] + 8.0, pen.size[1] - pen.insets[0] - 16.0
-        date = date_at(scene.clip.scans, scene.timeline.day)
-        pen.write(x, y, date, 26.0, pen.theme.text, bold=True)
-        pen.write(x, y - 32.0, self._name, 17.0, pen.theme.muted)
 
 
 def _draw_veils(pen: Pen) -> None:
@@ -182,19 +146,15 @@ def _draw_wipe(pen: Pen, scene: Scene) -> Scene:
     """The line between what is compared, which the mouse moves."""
     (width, height), x = pen.size, scene.wipe * pen.size[0]
     size = (2 * WIPE_REACH, height - TOP - BOTTOM)
-    if size[1] <= 0.0:
-        return scene
     with bare_window("wipe", (x - WIPE_REACH, TOP), size):
         imgui.invisible_button("line", size)
-        if imgui.is_item_active() or imgui.is_item_deactivated():
-            scene = actions.wipe_to(scene, imgui.get_mouse_pos().x / width)
-    return scene
+        held = imgui.is_item_active() or imgui.is_item_deactivated()
+        return actions.wipe_to(scene, imgui.get_mouse_pos().x / width) if held else scene
 
 
-def _draw_notice(notice: str, area: tuple[float, float]) -> None:
+def _draw_notice(notice: str, area: Size) -> None:
     """Over everything, even the help."""
-    front = imgui.WindowFlags_.tooltip
-    with card("notice", (area[0] / 2, TOP - 12.0), (0.5, 0.0), area[0], front):
+    with card("notice", (area[0] / 2, TOP - 12.0), (0.5, 0.0), area[0], FLAGS.tooltip):
         imgui.push_text_wrap_pos(area[0] - 60.0)
         imgui.text_unformatted(one_line(notice, 800))
         imgui.pop_text_wrap_pos()
@@ -206,29 +166,17 @@ def _width(names: Sequence[str]) -> float:
 
 
 def _row(scene: Scene, names: Sequence[str], left: float, middle: float) -> Scene:
-    """Icon buttons in a row about a height, a large round one among them."""
-    colors, part = imgui.get_style_color_vec4, imgui.Col_
+    """Icon buttons in a row about a height, a large one among them; what is on has the accent."""
+    part, color, paint = imgui.Col_, imgui.get_style_color_vec4, imgui_ctx.push_style_color
     for name in names:
-        large = name == "play"
-        side, rounding = (PLAY, PLAY / 2) if large else (BUTTON, imgui.get_style().frame_rounding)
-        paint = (part.check_mark, part.window_bg) if large else (part.button, part.text)
+        action, side = keys.ACTIONS[name], PLAY if name == "play" else BUTTON
+        on = bool(action.on and action.on(scene))
+        icon = AT_END[scene.timeline.at_end] if name == "at end" else ICONS[name][-1 if on else 0]
+        ground, text = part.button, part.check_mark if on else part.text
+        if name == "play":
+            ground, text = part.check_mark, part.window_bg
         imgui.set_cursor_screen_pos((left, middle - side / 2))
-        with (
-            imgui_ctx.push_style_var(imgui.StyleVar_.frame_rounding, rounding),
-            imgui_ctx.push_style_color(part.button, colors(paint[0])),
-            imgui_ctx.push_style_color(part.text, colors(paint[1])),
-        ):
-            scene = button(scene, name, _icon(name, scene), (side, side))
+        with paint(part.button, color(ground)), paint(part.text, color(text)):
+            scene = button(scene, name, icon, (side, side))
         left += WIDTHS.get(name, BUTTON) + GAP
     return scene
-
-
-def _icon(name: str, scene: Scene) -> str:
-    timeline = scene.timeline
-    return {
-        **ICONS,
-        "play": "\uf04c" if timeline.playing else "\uf04b",
-        "at end": AT_END[timeline.at_end],
-        "ground": "\uf185" if scene.style.ground == "dark" else "\uf186",
-        "fullscreen": "\uf066" if scene.fullscreen else "\uf065",
-    }[name]

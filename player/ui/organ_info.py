@@ -8,8 +8,6 @@ from gclip import Clip
 from player.view.dates import date_at
 from traits.curves import TraitCurve, trait_curves
 
-TOLD = ("length", "area")
-
 
 class OrganInfo:
     """Measures organs of one clip in a thread; the window never waits for it.
@@ -18,8 +16,7 @@ class OrganInfo:
     """
 
     def __init__(self, clip: Clip) -> None:
-        self._clip = clip
-        self._pool = ThreadPoolExecutor(1)
+        self._clip, self._pool = clip, ThreadPoolExecutor(1)
         self._curves: dict[int, Future[list[TraitCurve]]] = {}
         self.measuring = False
 
@@ -31,11 +28,9 @@ class OrganInfo:
         if track not in self._curves:
             self._curves[track] = self._pool.submit(trait_curves, self._clip, [track])
         found = self._curves[track]
-        if not found.done():
-            self.measuring = True
-            return ()
-        failed = found.cancelled() or found.exception() is not None
-        return () if failed else tuple(found.result())
+        self.measuring |= not found.done()
+        known = found.done() and not found.cancelled() and found.exception() is None
+        return tuple(found.result()) if known else ()
 
     def lines(self, clip: Clip, track: int, day: float) -> list[tuple[str, str]]:
         """What to tell about an organ, by its row in the clip's table, on a day: (what, value).
@@ -52,7 +47,7 @@ class OrganInfo:
             facts.append(("lost", date_at(clip.scans, organ.lost)))
         if not seen and day >= organ.born and clip.time_unit == "days":
             facts.append(("age", f"{day - organ.born:.1f} days"))
-        told = [curve for curve in self.curves(track) if curve.trait in TOLD]
+        told = [curve for curve in self.curves(track) if curve.trait in ("length", "area")]
         return facts + [(f"{curve.trait} now", _value_at(curve, day)) for curve in told]
 
 

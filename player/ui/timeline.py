@@ -1,16 +1,17 @@
 """The timeline: its line, the scans' marks and dates, the handle with the current date."""
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+import numpy as np
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Clip
-from player.ui.pen import Pen, fitted
-from player.ui.theme import Color, faint, packed
+from player.ui.theme import Color, Pen, faint, one_line, packed
 from player.ui.widgets import EDGE, card
+from player.view.annotations import MAX_NAME
 from player.view.dates import date_at, elapsed, short_dates
-from player.view.playback import Timeline
 from player.view.state import Scene
 from traits.doubts import doubts_of
 
@@ -37,16 +38,14 @@ class Line:
     others: tuple[float, ...] = ()  #: more days that a click means exactly
 
     def x_of(self, day: float) -> float:
-        first, last = self.times[0], self.times[-1]
-        return self.left + (self.right - self.left) * (day - first) / (last - first)
+        return float(np.interp(day, self.times[:: len(self.times) - 1], (self.left, self.right)))
 
     def day_at(self, x: float) -> float:
         """The day at a place; right at one of `times` and `others`, that day."""
         nearest = min((*self.times, *self.others), key=lambda time: abs(self.x_of(time) - x))
         if abs(self.x_of(nearest) - x) <= SNAP:
             return nearest
-        share = min(max((x - self.left) / (self.right - self.left), 0.0), 1.0)
-        return self.times[0] + share * (self.times[-1] - self.times[0])
+        return float(np.interp(x, (self.left, self.right), self.times[:: len(self.times) - 1]))
 
 
 def labels_on(
@@ -65,42 +64,27 @@ def labels_on(
     return [(scan, x) for scan, (x, _) in sorted(kept.items())]
 
 
-def events(clip: Clip) -> list[tuple[int, int]]:
-    """For each scan how many organs it shows for the first time, and how many no longer."""
-    return [
-        (
-            sum(t.born == scan.time and i > 0 for t in clip.track_table),
-            sum(t.lost == scan.time for t in clip.track_table),
-        )
-        for i, scan in enumerate(clip.scans)
-    ]
-
-
 class TimelineView:
     """Of one clip. held: whether the mouse drags its handle."""
 
     def __init__(self, clip: Clip) -> None:
-        self._clip = clip
-        self._events = events(clip)
-        self._doubts = doubts_of(clip)
+        self._clip, self._doubts = clip, doubts_of(clip)
+        # How many organs the scan of a day shows for the first time, and how many no longer.
+        self._born = Counter(one.born for one in clip.track_table if one.born > clip.times[0])
+        self._lost = Counter(one.lost for one in clip.track_table if one.lost is not None)
         self._dates = short_dates([scan.date for scan in clip.scans])
         self.held = False
 
-    def draw(self, pen: Pen, scene: Scene, ends: tuple[float, float]) -> Scene:
-        """Draw it, and give the scene as the mouse changed it.
-
-        ends: where the line begins and ends, across the window that ImGui has begun.
-        """
-        y, others = pen.size[1] - 50.0, tuple(held.time for held in self._clip.held_out)
-        line = Line(ends[0], max(ends[1], ends[0] + 1.0), y, tuple(self._clip.times), others)
+    def draw(self, pen: Pen, scene: Scene, line: Line) -> Scene:
+        """Draw it on the window that ImGui has begun; gives the scene as the mouse changed it."""
+        y, pointed = line.height, imgui.get_mouse_pos().x
         imgui.set_cursor_screen_pos((line.left - REACH / 2, y - REACH))
         imgui.invisible_button("timeline", (line.right - line.left + REACH, 2 * REACH))
         self.held, hovered = imgui.is_item_active(), imgui.is_item_hovered()
-        pointed = imgui.get_mouse_pos().x
         if self.held or imgui.is_item_deactivated():  # it may be let go where it has just come to
             scene = scene.with_timeline(lambda timeline: timeline.at(line.day_at(pointed)))
         day = scene.timeline.day
-        _draw_line(pen, line, scene.timeline, hovered or self.held)
+        _draw_line(pen, line, day, hovered or self.held)
         self._draw_marks(pen, line)
         for key, _ in scene.path.keys:
             pen.sheet.add_ngon_filled((line.x_of(key), y + EVENT), 4.5, packed(pen.theme.text), 4)
@@ -112,17 +96,16 @@ class TimelineView:
         if hovered and not self.held and abs(pointed - line.x_of(day)) > HANDLE:
             day = line.day_at(pointed)  # what a click would go to
             side = self._told_of(day)
-            _disc(pen, line.x_of(day), y, DOT + SNAP, faint(pen.theme.accent, 0.35))
+            _rings(pen, line.x_of(day), y, (DOT + SNAP, faint(pen.theme.accent, 0.35)))
         _draw_bubble(pen, line, day, date_at(self._clip.scans, day), side)
         return scene
 
     def draw_key(self, pen: Pen, left: float, y: float) -> None:
         """What the marks mean, those that occur, as far as there is room."""
         theme, x = pen.theme, left
-        born, lost = (any(counts) for counts in zip(*self._events, strict=True))
         for occurs, icon, paint, text in (
-            (born, BORN, theme.accent, "born"),
-            (lost, LOST, theme.loss, "lost"),
+            (self._born, BORN, theme.accent, "born"),
+            (self._lost, LOST, theme.loss, "lost"),
             (self._doubts, DOUBTFUL, theme.loss, "in doubt"),
         ):
             end = x + 14.0 + pen.width(text, KEY_SIZE)
@@ -142,63 +125,53 @@ class TimelineView:
             pen.sheet.add_rect_filled(*corners, packed(theme.loss), 1.5)
         for x in map(line.x_of, line.others):
             pen.sheet.add_line((x, y - LEFT_OUT), (x, y + LEFT_OUT), packed(theme.muted), 2.0)
-        for time, (born, lost) in zip(line.times, self._events, strict=True):
-            if born:
-                pen.write(line.x_of(time), y - EVENT, BORN, MARK, theme.accent, align=0.5)
-            if lost:
-                pen.write(line.x_of(time), y + EVENT, LOST, MARK, theme.loss, align=0.5)
+        for day in line.times:
+            if self._born[day]:
+                pen.write(line.x_of(day), y - EVENT, BORN, MARK, theme.accent, align=0.5)
+            if self._lost[day]:
+                pen.write(line.x_of(day), y + EVENT, LOST, MARK, theme.loss, align=0.5)
 
     def _told_of(self, day: float) -> str:
         """What is to be told of a scan, or of what looks wrong on a day between two."""
-        for scan, (born, lost) in zip(self._clip.scans, self._events, strict=True):
-            if scan.time == day:
-                told = [f"{scan.points:,} points"]
-                told += [f"{born} born"] * bool(born) + [f"{lost} lost"] * bool(lost)
-                return ", ".join(told)
+        told = [f"{scan.points:,} points" for scan in self._clip.scans if scan.time == day]
+        if told:
+            counts = (self._born[day], "born"), (self._lost[day], "lost")
+            return ", ".join(told + [f"{count} {what}" for count, what in counts if count])
         wrong = [doubt.what for doubt in self._doubts if doubt.start < day < doubt.end]
         return f"looks wrong: {', '.join(dict.fromkeys(wrong))}" if wrong else ""
 
 
-def _draw_line(pen: Pen, line: Line, timeline: Timeline, lively: bool) -> None:
-    theme, sheet, y = pen.theme, pen.sheet, line.height
-    now, thick = line.x_of(timeline.day), 2.5 if lively else 1.5
-    begin, end = line.x_of(timeline.begin), line.x_of(timeline.end)
-    for left, right, paint in (
-        (line.left, line.right, theme.track),
-        (begin, max(now, begin), theme.accent),
-    ):
-        sheet.add_rect_filled((left, y - thick), (right, y + thick), packed(paint), thick)
-    if (timeline.begin, timeline.end) != (timeline.first, timeline.last):
-        for x, bracket in ((begin, "["), (end, "]")):  # about the part that is played
-            pen.write(x, y, bracket, DATE_SIZE, theme.text, align=0.5)
+def _draw_line(pen: Pen, line: Line, day: float, lively: bool) -> None:
+    theme, y, thick = pen.theme, line.height, 2.5 if lively else 1.5
+    now = line.x_of(day)
+    for right, paint in ((line.right, theme.track), (now, theme.accent)):
+        corners = (line.left, y - thick), (right, y + thick)
+        pen.sheet.add_rect_filled(*corners, packed(paint), thick)
     for time in line.times:
-        passed = time <= timeline.day
-        _disc(pen, line.x_of(time), y, DOT + 2.0, theme.veil)
-        _disc(pen, line.x_of(time), y, DOT, theme.accent if passed else theme.muted)
-        if not passed:
-            _disc(pen, line.x_of(time), y, DOT - 2.0, theme.veil)
+        discs = [(DOT + 2.0, theme.veil), (DOT, theme.accent)]
+        if time > day:
+            discs = [discs[0], (DOT, theme.muted), (DOT - 2.0, theme.veil)]
+        _rings(pen, line.x_of(time), y, *discs)
     radius = HANDLE + (2.0 if lively else 0.0)
-    _disc(pen, now, y, radius + 2.5, theme.veil)
-    _disc(pen, now, y, radius, theme.accent)
-    _disc(pen, now, y, HANDLE - 4.0, theme.veil)
+    handle = (radius + 2.5, theme.veil), (radius, theme.accent), (HANDLE - 4.0, theme.veil)
+    _rings(pen, now, y, *handle)
 
 
 def _draw_bubble(pen: Pen, line: Line, day: float, date: str, side: str) -> None:
     """The date over a day, and beside it what else is to be told."""
-    x, bottom, width = line.x_of(day), line.height - BUBBLE_ABOVE, pen.size[0]
+    x, bottom = line.x_of(day), line.height - BUBBLE_ABOVE
     corners = (x - 6.0, bottom), (x + 6.0, bottom), (x, bottom + 6.0)
     pen.sheet.add_triangle_filled(*corners, packed(pen.theme.card))
-    with card("bubble", (x, bottom), (0.5, 1.0), width):
-        room = width - 2 * EDGE - 30.0
+    with card("bubble", (x, bottom), (0.5, 1.0), pen.size[0]):
         with imgui_ctx.push_font(pen.bold, DATE_SIZE):
-            date = fitted(date, room)
-            imgui.text_unformatted(date)
-            room -= imgui.calc_text_size(date).x
+            imgui.text_unformatted(one_line(date, MAX_NAME))
         if side:
             imgui.same_line()
             imgui.set_cursor_pos_y(imgui.get_cursor_pos_y() + 4.0)  # on the date's line
-            imgui.text_disabled(fitted(side, room))
+            imgui.text_disabled(one_line(side, 2 * MAX_NAME))
 
 
-def _disc(pen: Pen, x: float, y: float, radius: float, color: Color) -> None:
-    pen.sheet.add_circle_filled((x, y), radius, packed(color), 48)
+def _rings(pen: Pen, x: float, y: float, *discs: tuple[float, Color]) -> None:
+    """Discs over each other, of radii and colours."""
+    for radius, color in discs:
+        pen.sheet.add_circle_filled((x, y), radius, packed(color), 48)

@@ -12,20 +12,11 @@ from player.ui import keys
 from player.ui.theme import CLEAR
 from player.view.state import Scene
 
-BARE = (
-    imgui.WindowFlags_.no_decoration
-    | imgui.WindowFlags_.no_background
-    | imgui.WindowFlags_.no_move
-    | imgui.WindowFlags_.no_saved_settings
-    | imgui.WindowFlags_.no_nav
-    | imgui.WindowFlags_.no_focus_on_appearing
-)
-CARD = (
-    BARE & ~imgui.WindowFlags_.no_background
-    | imgui.WindowFlags_.always_auto_resize
-    | imgui.WindowFlags_.no_inputs
-    | imgui.WindowFlags_.no_bring_to_front_on_focus
-)
+FLAGS = imgui.WindowFlags_
+BARE = FLAGS.no_decoration | FLAGS.no_background | FLAGS.no_move | FLAGS.no_saved_settings
+BARE |= FLAGS.no_nav | FLAGS.no_focus_on_appearing
+SOLID = BARE & ~FLAGS.no_background
+CARD = SOLID | FLAGS.always_auto_resize | FLAGS.no_inputs | FLAGS.no_bring_to_front_on_focus
 EDGE = 8.0  # what cards keep from the window's
 
 
@@ -36,18 +27,12 @@ def tip(name: str) -> None:
         imgui.set_item_tooltip(f"{action.help}  ({', '.join(action.labels)})")
 
 
-def button(scene: Scene, name: str, label: str, size: tuple[float, float] = (0.0, 0.0)) -> Scene:
-    """A button that does an action; gives the scene as it changed it.
-
-    What is on has the accent's colour.
-    """
-    action = keys.ACTIONS[name]
-    part = imgui.Col_.check_mark if action.on and action.on(scene) else imgui.Col_.text
-    color = imgui.get_style_color_vec4(part)
-    with imgui_ctx.push_id(name), imgui_ctx.push_style_color(imgui.Col_.text, color):
+def button(scene: Scene, name: str, label: str, size: tuple[float, float]) -> Scene:
+    """A button that does an action; gives the scene as it changed it."""
+    with imgui_ctx.push_id(name):
         pressed = imgui.button(label, size)
     tip(name)
-    return action.do(scene) if pressed else scene
+    return keys.ACTIONS[name].do(scene) if pressed else scene
 
 
 @contextmanager
@@ -60,7 +45,8 @@ def bare_window(
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (0.0, 0.0)),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_min_size, (1.0, 1.0)),
-        imgui_ctx.push_style_color(imgui.Col_.button, imgui.ImVec4(*CLEAR)),
+        imgui_ctx.push_style_var(imgui.StyleVar_.frame_rounding, 22.0),
+        imgui_ctx.push_style_color(imgui.Col_.button, CLEAR),
         imgui_ctx.begin(name, None, BARE | flags),
     ):
         yield

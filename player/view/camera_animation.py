@@ -64,11 +64,6 @@ class CameraPath:
         others = [key for key in self.keys if key[0] != day]
         return type(self)(tuple(sorted([*others, (day, camera)], key=lambda key: key[0])))
 
-    def without_key(self, day: float) -> Self:
-        """Leave out the key nearest to a day."""
-        nearest = min(self.keys, key=lambda key: abs(key[0] - day), default=None)
-        return type(self)(tuple(key for key in self.keys if key is not nearest))
-
     def at(self, day: float) -> Camera:
         """The camera on a day: passes through every key, without a jerk (Akima 1970, in scipy's
         modified form, which does not overshoot); before the first key and after the last it rests.

@@ -29,7 +29,7 @@ class Wish(StrEnum):
 
     PICTURE = "save a picture of what is seen"
     EXPORT = "begin an export, or stop the one under way"
-    SAVE_PATH = "save the camera's path"
+    CAMERA_KEY = "add the camera to the path that is kept in a file"
 
 
 @dataclass(frozen=True)

@@ -25,8 +25,6 @@ class Timeline:
 
     times: tuple[float, ...]  #: the scans' times, ascending, at least two, in the clip's unit
     day: float  #: where the clock stands, from times[0] to times[-1]
-    begin: float  #: of the part that is played
-    end: float
     playing: bool = False
     speed: float = 1.0  #: factor on the natural speed, one of SPEEDS
     at_end: AtEnd = AtEnd.LOOP
@@ -36,7 +34,7 @@ class Timeline:
     @classmethod
     def of(cls, times: list[float] | tuple[float, ...]) -> Self:
         """A clock that stands at the first scan."""
-        return cls(tuple(times), times[0], times[0], times[-1])
+        return cls(tuple(times), times[0])
 
     @property
     def first(self) -> float:
@@ -56,17 +54,15 @@ class Timeline:
     def _ends(self) -> tuple[float, float]:
         """The days that the clock comes from, and goes to."""
         returns = self.backwards and self.at_end is AtEnd.PING_PONG
-        return (self.end, self.begin) if returns else (self.begin, self.end)
+        return (self.last, self.first) if returns else (self.first, self.last)
 
     def tick(self, seconds: float) -> Self:
         """Let wall time pass: however it is cut into frames, the clock arrives at the same day."""
         if not self.playing:
             return self
         start, goal = self._ends
-        duration = (self.end - self.begin) / self.days_per_second  # seconds from end to end
-        passed = seconds + self.rest  # since the clock was at `start`
-        if self.begin <= self.day <= self.end:
-            passed += abs(self.day - start) / self.days_per_second
+        duration = (self.last - self.first) / self.days_per_second  # seconds from end to end
+        passed = seconds + self.rest + abs(self.day - start) / self.days_per_second  # since `start`
         if self.at_end is AtEnd.STOP and passed >= duration:
             return replace(self, day=goal, playing=False, backwards=False, rest=0.0)
         turns, passed = divmod(passed, duration + REST)
@@ -75,7 +71,7 @@ class Timeline:
         day = goal if passed >= duration else start + (goal - start) * passed / duration
         return replace(
             self,
-            day=min(max(day, self.begin), self.end),
+            day=min(max(day, self.first), self.last),
             backwards=goal < start,
             rest=max(passed - duration, 0.0),
         )
@@ -84,8 +80,8 @@ class Timeline:
         """Start the clock; at the end of the series it starts over, or goes back."""
         if self.day != self._ends[1]:
             return replace(self, playing=True)
-        day = self.day if self.at_end is AtEnd.PING_PONG else self.begin
-        return replace(self, playing=True, day=day, rest=0.0, backwards=day == self.end)
+        day = self.day if self.at_end is AtEnd.PING_PONG else self.first
+        return replace(self, playing=True, day=day, rest=0.0, backwards=day == self.last)
 
     def paused(self) -> Self:
         return replace(self, playing=False, rest=0.0)
@@ -100,20 +96,6 @@ class Timeline:
     def moved(self, days: float) -> Self:
         """Pause and go on by some days, negative for back."""
         return self.paused().at(self.day + days)
-
-    def begun_here(self) -> Self:
-        """Play from this day on; an end that lies before it no longer counts."""
-        begin = self.first if self.day == self.last else self.day
-        return replace(self, begin=begin, end=self.end if self.end > self.day else self.last)
-
-    def ended_here(self) -> Self:
-        """Play up to this day; a beginning that lies after it no longer counts."""
-        end = self.last if self.day == self.first else self.day
-        return replace(self, end=end, begin=self.begin if self.begin < self.day else self.first)
-
-    def unbounded(self) -> Self:
-        """Play the whole series."""
-        return replace(self, begin=self.first, end=self.last)
 
     def stepped(self, direction: int) -> Self:
         """Pause at the next scan (direction 1) or the one before (-1)."""

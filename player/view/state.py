@@ -50,7 +50,6 @@ class Scene:
     curve: str = "length"  #: the trait that is plotted of the picked organ; "" for none
     help: bool = False
     fullscreen: bool = False
-    kiosk: bool = False  #: nothing but the plant and the date
     notice: str = ""  #: a passing sentence for the user
     wish: Wish | None = None
     exporting: Exporting | None = None  #: an export under way
@@ -102,7 +101,7 @@ def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
     picked or compared with.
     """
     clip, style, path = clips[0], scene.style, CameraPath() if fresh else scene.path
-    timeline = replace(scene.timeline, times=tuple(clip.times)).unbounded()
+    timeline = replace(scene.timeline, times=tuple(clip.times))
     if len(clip.track_table) != len(scene.clip.track_table):
         style = replace(style, picked=None, second=None, alone=None, hidden=frozenset())
     if ColorMode(style.color_by).lacking(clip):

@@ -4,39 +4,37 @@ The scene is a frozen value (player/view/state.py). Events turn it into a new on
 it, and a picture is drawn only where it would differ from the last one.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import glfw
 
-from gclip import Clip
 from gclip.errors import UserError
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
 from player.ui import actions, keys
-from player.ui.curves import strip_height
+from player.ui.annotations import strip_height
 from player.ui.gui import Gui
 from player.ui.interface import Interface
 from player.ui.panel import panel_width
 from player.view.camera import Camera
-from player.view.camera_animation import load_path
 from player.view.choices import Compare
 from player.view.dates import date_at
 from player.view.playback import Timeline
 from player.view.split_view import panes_of
 from player.view.state import Scene, reopened
-from player.view.style import Style
 from player.window.dynamic_resolution import Detail, DynamicResolution
 from player.window.export_job import Exports
-from player.window.glfw_window import Measures, listen, shortest_frame, switch_fullscreen
+from player.window.glfw_window import Measures, listen, switch_fullscreen
 from player.window.opened_clip import FileWatch, KeptEdits, OpenClip
 from player.window.viewports import Viewports, fitted, home_camera
 
-NOTICE_SECONDS = 2.5  # that a notice stays at least
-READING = 0.06  # seconds for each of its characters
+NOTICE_SECONDS, READING = 1.5, 0.06  # that a notice stays, and for each of its characters
 TURN_SPEED = 0.35  # radians a second of the camera going round by itself
+SHORTEST = 1 / 150  # seconds from picture to picture: displays show no more
 LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
 LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
 IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C, files and exports at rest
@@ -44,79 +42,69 @@ SETTLING = 0.6  # seconds that pictures go on after an event: tips come, cards f
 
 
 class Window:
-    """Clips in one open window, whose OpenGL context is current."""
+    """Clips in one open window, whose OpenGL context is current; `watch` gets every scene shown."""
 
-    def __init__(
-        self,
-        handle: Any,
-        clips: tuple[OpenClip, ...],
-        style: Style,
-        changes: Mapping[str, Any],
-        watch: Callable[[Scene], None],
-    ) -> None:
-        self._handle, self._watch = handle, watch
+    def __init__(self, handle: Any, clips: Sequence[OpenClip], changes: Mapping[str, Any]) -> None:
+        """changes: fields of the first scene that are not as usual, the style among them."""
+        self._handle, self.watch = handle, lambda scene: None
         self._context = from_window()
         self._gui = Gui()
         self._exports = Exports()
         self._measures = Measures.of(handle)
         self._dropped: list[str] = []
-        self._drawn: tuple[Scene, Measures] | None = None
-        self._view: tuple[float, Camera, Measures] | None = None
-        self._changed_at = 0.0
-        self._title, self._notice, self._notice_ends = "", "", 0.0
-        bare = self._show(clips)
-        camera, timeline = home_camera(bare[0], (16.0, 9.0)), Timeline.of(bare[0].times).played()
-        scene = Scene(timeline, camera, camera, style, bare[:1])
-        self.scene = replace(reopened(scene, bare, fresh=True), **changes)
-        self._fit()
+        self._drawn: tuple[Scene, Measures] | None
+        self._view: tuple[float, Camera, Measures] | None
+        self._changed_at, self._notice, self._notice_ends = 0.0, "", 0.0
+        self._shown, clip = ExitStack(), clips[0].clip
+        camera, timeline = home_camera(clip, (16.0, 9.0)), Timeline.of(clip.times).played()
+        self.scene = Scene(timeline, camera, camera, changes["style"], (clip,))
+        self._show(clips, fresh=True)
+        self.scene = replace(self.scene, **{"notice": "", **changes})
         listen(handle, self._press, self._draw_again, self._dropped.extend)
-        if self.scene.kiosk:
-            glfw.set_input_mode(handle, glfw.CURSOR, glfw.CURSOR_HIDDEN)
 
-    @property
-    def size(self) -> tuple[int, int]:
-        """In units of 1/96 inch."""
-        width, height = self._measures.units
-        return round(width), round(height)
-
-    def run(self) -> Scene:
-        """Draw and listen until the window is closed; gives the last scene."""
-        frame, then = shortest_frame(), glfw.get_time()
+    def run(self) -> tuple[Scene, tuple[int, int]]:
+        """Draw and listen until the window is closed; gives the last scene, and (width, height) in
+        units of 1/96 inch.
+        """
+        then = glfw.get_time()
         while not self.scene.closed and not glfw.window_should_close(self._handle):
             now = glfw.get_time()
             self._pass_time(min(now - then, LONGEST_STEP), now)
             then = now
-            self._look_at_files()
+            self._serve()
             self.scene = self._kept.written(self.scene)
             self._follow_window()
             self._draw()
             if self._lively:
                 # Vertical sync paces this loop; where there is none, the wait does.
-                glfw.wait_events_timeout(max(then + frame - glfw.get_time(), 0.0005))
+                glfw.wait_events_timeout(max(then + SHORTEST - glfw.get_time(), 0.0005))
             else:
                 glfw.wait_events_timeout(IDLE)
                 then = glfw.get_time()
-        return self.scene
+        width, height = self._measures.units
+        return self.scene, (round(width), round(height))
 
     def release(self) -> None:
         self._exports.release()
-        self._interface.organs.release()
+        self._shown.close()
         self._gui.release()
-        self.viewports.release()
 
-    def _show(self, clips: tuple[OpenClip, ...]) -> tuple[Clip, ...]:
-        """Make what draws these clips."""
-        self.clips, bare = clips, tuple(one.clip for one in clips)
+    def _show(self, clips: Sequence[OpenClip], fresh: bool) -> None:
+        """Show clips: other ones (fresh), or the same ones as they were baked anew."""
+        self._shown.close()
+        self.clips, bare = tuple(clips), tuple(one.clip for one in clips)
         self.viewports = Viewports(self._context, bare)
         self._interface = Interface(self._gui, bare[0], " · ".join(one.name for one in clips))
-        self._resolution = DynamicResolution(
-            max(len(interval) for clip in bare for interval in clip.intervals)
-        )
+        for made in (self.viewports, self._interface.organs):
+            self._shown.callback(made.release)
+        most = max(len(interval) for clip in bare for interval in clip.intervals)
+        self._resolution = DynamicResolution(most)
         self._kept = KeptEdits(clips[0])
         self._files = FileWatch(*[one.file for one in clips if one.file is not None])
         self._fitted: tuple[float, float, float] | None = None
         self._drawn = self._view = None
-        return bare
+        told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
+        self.scene = reopened(self.scene, bare, fresh).with_notice(told)
 
     @property
     def _lively(self) -> bool:
@@ -125,7 +113,6 @@ class Window:
             (self.scene.timeline.playing and not self._interface.timeline.held)
             or self.scene.turning
             or self.scene.notice != ""
-            or self._interface.organs.measuring
             or glfw.get_time() < self._changed_at + SETTLING
             or not self.viewports.whole
         )
@@ -140,44 +127,31 @@ class Window:
             scene = replace(scene, camera=scene.path.at(scene.timeline.day))
         scene = self._exports.followed(scene)
         if scene.notice != self._notice:
-            seconds = max(NOTICE_SECONDS, READING * len(scene.notice))
-            self._notice, self._notice_ends = scene.notice, now + seconds
+            self._notice = scene.notice
+            self._notice_ends = now + NOTICE_SECONDS + READING * len(scene.notice)
         elif scene.notice and now > self._notice_ends:
             scene = scene.with_notice("")
         self.scene = scene
 
-    def _look_at_files(self) -> None:
-        """Show what was dropped on the window, and what was baked anew."""
+    def _serve(self) -> None:
+        """Do what was asked for once; show what was dropped on the window, or was baked anew."""
         dropped, self._dropped[:] = list(self._dropped), []
         try:
-            paths = [name for name in dropped if name.lower().endswith(".json")]
-            if paths:
-                path = load_path(Path(paths[0]), self.scene.clip)
-                scene = replace(self.scene, path=path, following=True, turning=False)
-                self.scene = scene.with_notice(f"Camera path of {len(path.keys)} keys")
-            elif dropped:
-                self._take([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
+            if self.scene.wish is not None:
+                self.scene = self._exports.granted(self.scene, self.clips[0], self._area)
+            if dropped:
+                self._show([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
             elif self._files.changed():
                 again = [OpenClip.of(one.file) if one.file else one for one in self.clips]
-                self._take(again, fresh=False)
+                self._show(again, fresh=False)
         except UserError as error:
             told = str(error)
             for name in dropped:  # folders would leave no room for what is wrong
                 told = told.replace(name, Path(name).name)
-            self.scene = self.scene.with_notice(told)
-
-    def _take(self, clips: Sequence[OpenClip], fresh: bool) -> None:
-        """Show other clips, or the same ones as they were baked anew."""
-        scene = self.scene
-        self._interface.organs.release()
-        self.viewports.release()
-        bare = self._show(tuple(clips))
-        told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
-        self.scene = reopened(scene, bare, fresh).with_notice(told)
-        self._fit()
+            self.scene = replace(self.scene, wish=None, notice=told)
 
     def _press(self, key: str, shift: bool, repeated: bool) -> None:
-        if self._gui.writes or (key == "escape" and self._interface.popup):
+        if self._gui.takes(key):
             self._gui.type(key)
         else:
             self.scene = keys.pressed(self.scene, key.lower(), shift, repeated)
@@ -186,62 +160,49 @@ class Window:
         """Take over the window's present size, and give it the state that the scene asks for."""
         switch_fullscreen(self._handle, self.scene.fullscreen)
         self._measures = Measures.of(self._handle)
-        self._fit()
-        date = date_at(self.scene.clip.scans, self.scene.timeline.day)
-        title = f"{date} · {self.clips[0].name}"
-        if title != self._title:
-            glfw.set_window_title(self._handle, title)
-            self._title = title
-
-    def _fit(self) -> None:
-        """Fit the cameras to the part of the window that a plant has."""
-        width, height = self._measures.units
-        width -= panel_width(self.scene, width)
+        # Fit the cameras to the part that a plant has.
+        width, height = (length / self._measures.scale for length in self._area)
         width *= 0.5 if self.scene.compare is Compare.BESIDE else 1.0
-        plot = strip_height(self.scene, height)
+        plot = strip_height(self.scene)
         if self._measures.visible and self._fitted != (width, height, plot):
             self._fitted = (width, height, plot)
             self.scene = fitted(self.scene, (width, height), plot)
 
+    @property
+    def _area(self) -> tuple[int, int]:
+        """(width, height) in pixels of the part that shows plants."""
+        return self._measures.beside(panel_width(self.scene))
+
     def _draw(self) -> None:
         """Draw the next picture, if it may differ from the last one."""
         scene, measures, now = self.scene, self._measures, glfw.get_time()
-        view = scene.timeline.day, scene.camera, measures
-        if (scene, measures) != self._drawn or self._gui.pending:
+        measuring = self._interface.organs.measuring  # what is measured changes a card
+        if (scene, measures) != self._drawn or self._gui.pending or measuring:
             self._changed_at = now
         elif not self._lively:
             return
         if not measures.visible:
             return
-        moves, area = view != self._view, measures.beside(panel_width(scene, measures.units[0]))
+        view = scene.timeline.day, scene.camera, measures
+        moves = view != self._view
         panes = panes_of(scene, [one.name for one in self.clips])
-        still = scene.wish is not None  # a picture of all that there is
-        detail = self._resolution.detail(area) if moves and not still else Detail()
-        at_rest = still or not (moves or self.viewports.loading)
-        budget = None if at_rest else LOADING
-        self.viewports.paint(area, panes, scene.style, detail, budget)
-        screen = self._context.screen
+        detail = self._resolution.detail(self._area) if moves else Detail()
+        budget = LOADING if moves or self.viewports.loading else None
+        self.viewports.paint(self._area, panes, scene.style, detail, budget)
+        screen, date = self._context.screen, date_at(scene.clip.scans, scene.timeline.day)
         self.viewports.show(screen)
-        if still:
-            pixels = self.viewports.pixels()
-            self.scene = self._exports.execute(self.scene, self.clips[0], area, pixels)
         self.scene = self._interface.draw(screen, self.scene, measures.units, measures.scale, panes)
         check_context(self._context)
         if moves:  # swapping waits for the display
             self._resolution.frame_took(max(glfw.get_time() - now, self.viewports.gpu_seconds))
         glfw.swap_buffers(self._handle)
+        glfw.set_window_title(self._handle, f"{date} · {self.clips[0].name}")
         self._drawn, self._view = (scene, measures), view
-        self._pick()
-        self._watch(self.scene)
-
-    def _pick(self) -> None:
-        """Pick the organ that was clicked."""
-        mouse, scale = self._interface.mouse, self._measures.scale
-        if mouse.clicked is None or self.scene.kiosk:
-            return
-        x, y = mouse.clicked
-        if found := self.viewports.organ_under(self.scene, (x * scale, y * scale)):
-            self.scene = actions.pick(self.scene, *found, mouse.more)
+        mouse = self._interface.mouse
+        if mouse.clicked is not None:
+            found = self.viewports.organ_under(self.scene, mouse.clicked, measures.scale)
+            self.scene = actions.pick(self.scene, *found, mouse.more) if found else self.scene
+        self.watch(self.scene)
 
     def _draw_again(self) -> None:
         """The system lost the picture, or is changing the window's size right now."""

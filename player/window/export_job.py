@@ -11,68 +11,54 @@ import gclip
 from gclip.errors import UserError
 from player.export.film import Film
 from player.export.formats import FORMATS, export, format_of
-from player.export.image import save_screenshot
 from player.output_names import free_name
-from player.view.camera_animation import CameraPath, save_path
+from player.view.camera_animation import CameraPath, load_path, save_path
 from player.view.choices import Wish
 from player.view.dates import date_at
 from player.view.state import Exporting, Scene
 from player.window.opened_clip import OpenClip
 
 PATIENCE = 5.0  # seconds that a stopped export has for tidying up
-STILL = "still.png"
 
 
-class Stopped(Exception):
-    """The user stopped it."""
-
-
-def run(clip: str, film: Film, output: str, events: Any, stop: Any) -> None:
-    """What the process does."""
+def run(clip: str, film: Film, output: Path, events: Any) -> None:
+    """What the process does, until nobody listens to its events any more."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the window decides, also about Ctrl-C
-    name = Path(output).name
-
-    def progress(done: int, total: int) -> None:
-        if stop.is_set():
-            raise Stopped
-        events.send(Exporting(name, done, total))  # fails where the window is gone
-
+    name = output.name
     try:
-        export(gclip.open(clip), film, Path(output), progress)
-        ended = saved(Path(output))
-    except Stopped:
-        ended = f"Stopped: {name} was not written."
-    except UserError as error:
-        ended = str(error)
+        export(
+            gclip.open(clip), film, output,
+            lambda done, total: events.send(Exporting(name, done, total)),
+        )  # fmt: skip
+        ended = saved(output)
     except Exception as error:
-        ended = f"Exporting {name} failed: {error or type(error).__name__}."
+        failed = f"Exporting {name} failed: {error or type(error).__name__}."
+        ended = str(error) if isinstance(error, UserError) else failed
     with suppress(OSError):
         events.send(Exporting(name, ended=ended))
 
 
 class Exports:
-    """What the user asks for once: pictures, camera paths in files, and one export at a time, in a
-    process of its own, so that the window stays smooth.
+    """What the user asks for once: camera paths in files, and one export at a time, in a process of
+    its own, so that the window stays smooth.
 
     state: how far the export under way is, if there is one.
     """
 
     def __init__(self) -> None:
         self.state: Exporting | None = None
-        self._process: Any = None
 
     def begin(self, clip: Path, film: Film, output: Path) -> None:
         fresh = multiprocessing.get_context("spawn")
-        self.state, self._stop = Exporting(output.name), fresh.Event()
-        self._events, sending = fresh.Pipe(duplex=False)
-        job = (str(clip), film, str(output), sending, self._stop)
-        self._process = fresh.Process(target=run, args=job, daemon=True)
+        self.state, (self._events, sending) = Exporting(output.name), fresh.Pipe(duplex=False)
+        job = (str(clip), film, output, sending)
+        self._process: Any = fresh.Process(target=run, args=job, daemon=True)
         self._process.start()
         sending.close()
 
     def stop(self) -> None:
         """Ask the export to leave, and to leave nothing behind."""
-        self._stop.set()
+        self._events.close()
 
     def release(self) -> None:
         """Stop it now, whatever it does."""
@@ -83,53 +69,47 @@ class Exports:
 
     def followed(self, scene: Scene) -> Scene:
         """The scene with how far the export under way is, or how it ended."""
-        state = self.state
-        if state is None:
+        if self.state is None:
             return replace(scene, exporting=None)
+        left, ended = not self._process.is_alive(), ""
         try:
-            while not state.ended and self._events.poll():
-                state = self._events.recv()
-        except (EOFError, OSError):
-            state = replace(state, ended=f"Exporting {state.name} failed.")
-        if state.ended:
-            self._process.join(PATIENCE)
-        self.state = None if state.ended else state
-        return replace(scene, exporting=self.state, notice=state.ended or scene.notice)
+            while not self.state.ended and self._events.poll():
+                self.state = self._events.recv()
+            ended = self.state.ended
+        except EOFError:
+            ended = f"Exporting {self.state.name} failed."
+        except OSError:  # it was stopped
+            ended = f"Stopped exporting {self.state.name}." if left else ""
+        self.state = None if ended else self.state
+        return replace(scene, exporting=self.state, notice=ended or scene.notice)
 
-    def execute(
-        self, scene: Scene, opened: OpenClip, area: tuple[int, int], pixels: bytes
-    ) -> Scene:
+    def granted(self, scene: Scene, opened: OpenClip, area: tuple[int, int]) -> Scene:
         """Do what a scene wishes for; gives it without the wish, and with what came of that.
 
-        area, pixels: (width, height) in pixels of the part of the window that shows the plant, and
-                      its RGB, bottom row first.
+        area: (width, height) in pixels of the part of the window that shows the plant.
+        Raises UserError.
         """
-        try:
-            told = self._told(scene, opened, area, pixels)
-        except UserError as error:
-            told = str(error)
-        return replace(scene, wish=None, notice=told)
-
-    def _told(self, scene: Scene, opened: OpenClip, area: tuple[int, int], pixels: bytes) -> str:
-        output, name, example = scene.output, opened.name, scene.output.example
-        if scene.wish is Wish.SAVE_PATH:
+        wish, example, name = scene.wish, scene.output.example, opened.name
+        scene, day = replace(scene, wish=None), scene.timeline.day
+        if wish is Wish.CAMERA_KEY:
             file = Path(f"{name}.camera.json")
-            save_path(scene.path, opened.clip, file)
-            return saved(file)
-        if scene.wish is Wish.PICTURE:
-            example = STILL
-            name += f" {date_at(opened.clip.scans, scene.timeline.day)}"
-            if opened.file is None or (output.size is None and not output.transparent):
-                return saved(save_screenshot(pixels, area, name))
+            before = load_path(file, opened.clip) if file.exists() else scene.path
+            path = before.with_key(day, scene.camera)
+            save_path(path, opened.clip, file)
+            return replace(scene, path=path, notice=f"{saved(file)}, {len(path.keys)} keys")
         if opened.file is None:
-            return "Only clips that were opened from a file can be exported."
-        if self.state is not None:
+            return scene.with_notice("Only clips that were opened from a file can be exported.")
+        if self.state is not None and wish is Wish.EXPORT:
             self.stop()
-            return "Stopping …"
+            return scene.with_notice("Stopping …")
+        if self.state is not None:
+            return scene.with_notice(f"{self.state.name} is being exported; E stops it.")
+        if wish is Wish.PICTURE:
+            example, name = "still.png", f"{name} {date_at(opened.clip.scans, day)}"
         file, film = free_name(name, example), film_of(scene, example, area, name)
         format_of(file, film)
         self.begin(opened.file, film, file)
-        return f"Exporting {file}"
+        return scene.with_notice(f"Exporting {file}")
 
 
 def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Film:
@@ -155,7 +135,4 @@ def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Fil
 
 def saved(file: Path) -> str:
     """What to tell the user of a new file: its name, and the folder that it is in."""
-    folder = file.parent.absolute()
-    home = Path.home()
-    short = "~" / folder.relative_to(home) if folder.is_relative_to(home) else folder
-    return f"Saved {file.name} in {short}"
+    return f"Saved {file.name} in {file.parent.absolute()}"

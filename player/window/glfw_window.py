@@ -1,5 +1,6 @@
 """What GLFW is asked for: a window with OpenGL, its events, and the full screen."""
 
+import math
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -11,11 +12,11 @@ from imgui_bundle import imgui
 
 from player.errors import PlayerError
 from player.gl.context import VERSIONS
-from player.ui.gui import BUTTONS, NOWHERE
+from player.ui.gui import NOWHERE
 
 glfw: Any = untyped  # its stubs leave out what handlers are given
 
-SMALLEST = (320, 240)  # units
+SMALLEST = (800, 480)  # units: room for the panel, and for the buttons beside it
 EXPORT_INSTEAD = "`play CLIP --export film.mp4` needs none"
 
 
@@ -61,7 +62,9 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
     Raises PlayerError where there is no display, or no OpenGL 3.3.
     """
     reasons = ["no reason given"]
-    glfw.set_error_callback(lambda _, reason: reasons.append(_text(reason).rstrip(".")))
+    glfw.set_error_callback(
+        lambda _, reason: reasons.append(reason.decode(errors="replace").rstrip("."))
+    )
     if not glfw.init():
         raise PlayerError(
             f"no window can be opened, because there is no display ({reasons[-1]}); start it on a "
@@ -79,9 +82,8 @@ def opened(size: tuple[int, int], title: str) -> Iterator[Any]:
                 f"driver or Mesa (Debian or Ubuntu: apt-get install libgl1), or {EXPORT_INSTEAD}."
             )
         per_unit = glfw.get_window_size(handle)[0] / size[0]
-        least_width, least_height = (round(per_unit * length) for length in SMALLEST)
-        any_size = (glfw.DONT_CARE, glfw.DONT_CARE)
-        glfw.set_window_size_limits(handle, least_width, least_height, *any_size)
+        least = (round(per_unit * length) for length in SMALLEST)
+        glfw.set_window_size_limits(handle, *least, glfw.DONT_CARE, glfw.DONT_CARE)
         glfw.make_context_current(handle)
         glfw.swap_interval(1)
         yield handle
@@ -100,24 +102,20 @@ def _created(size: tuple[int, int], title: str) -> Any:
     for version in VERSIONS:
         glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, version // 100)
         glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, version // 10 % 10)
-        handle = glfw.create_window(*size, title, None, None)
-        if handle:
+        if handle := glfw.create_window(*size, title, None, None):
             return handle
     return None
 
 
 def listen(
-    handle: Any,
-    key: Callable[[str, bool, bool], None],
-    draw_again: Callable[[], None],
-    dropped: Callable[[list[str]], None],
+    handle: Any, key: Callable[..., None], again: Callable[[], None], dropped: Callable[..., None]
 ) -> None:
     """Hand the window's events on: the mouse's to Dear ImGui.
 
-    key:        gets a key's name, after "ctrl+" where that is held, or the character typed; whether
-                shift is held; whether it repeats.
-    draw_again: called when the system needs the picture anew.
-    dropped:    gets the names of files dropped on the window.
+    key:     gets a key's name, after "ctrl+" where that is held, or the character typed; whether
+             shift is held; whether it repeats.
+    again:   called when the system needs the picture anew.
+    dropped: gets the names of files dropped on the window.
     """
     named = {
         code: name.removeprefix("KEY_").lower()
@@ -141,7 +139,7 @@ def listen(
         key(chr(code), shifted, repeating)
 
     def on_button(_: Any, code: int, action: int, modifiers: int) -> None:
-        if code < BUTTONS:
+        if code < imgui.MouseButton_.count:  # the same order as in GLFW
             io.add_key_event(imgui.Key.mod_shift, bool(modifiers & glfw.MOD_SHIFT))
             io.add_mouse_button_event(code, action == glfw.PRESS)
 
@@ -158,8 +156,8 @@ def listen(
     glfw.set_cursor_pos_callback(handle, on_move)
     glfw.set_cursor_enter_callback(handle, on_enter)
     glfw.set_scroll_callback(handle, lambda _, right, up: io.add_mouse_wheel_event(0.0, up))
-    glfw.set_window_refresh_callback(handle, lambda _: draw_again())
-    glfw.set_drop_callback(handle, lambda _, names: dropped([_text(name) for name in names]))
+    glfw.set_window_refresh_callback(handle, lambda _: again())
+    glfw.set_drop_callback(handle, lambda _, names: dropped(names))
 
 
 def switch_fullscreen(handle: Any, wanted: bool) -> None:
@@ -177,23 +175,12 @@ def switch_fullscreen(handle: Any, wanted: bool) -> None:
         glfw.set_window_monitor(handle, None, *glfw.get_window_user_pointer(handle), 0)
 
 
-def shortest_frame() -> float:
-    """Seconds below which the next picture would not be shown anyway."""
-    monitor = glfw.get_primary_monitor()
-    rate = glfw.get_video_mode(monitor).refresh_rate if monitor else 0
-    return 0.8 / (rate if rate > 0 else 60)
-
-
 def _monitor_of(handle: Any) -> Any:
-    """The one that shows the middle of a window, or else the first one."""
+    """The one whose middle is nearest to a window's."""
     (left, top), (width, height) = glfw.get_window_pos(handle), glfw.get_window_size(handle)
-    for monitor in glfw.get_monitors():
-        (x, y), shown = glfw.get_monitor_pos(monitor), glfw.get_video_mode(monitor).size
-        right, down = left + width / 2 - x, top + height / 2 - y
-        if 0 <= right < shown.width and 0 <= down < shown.height:
-            return monitor
-    return glfw.get_primary_monitor()
 
+    def distance(monitor: Any) -> float:
+        x, y, wide, high = glfw.get_monitor_workarea(monitor)
+        return math.hypot(x + wide / 2 - left - width / 2, y + high / 2 - top - height / 2)
 
-def _text(reason: str | bytes) -> str:
-    return reason.decode(errors="replace") if isinstance(reason, bytes) else reason
+    return min(glfw.get_monitors(), key=distance)

@@ -14,7 +14,6 @@ from gclip import Clip
 from player.errors import PlayerError
 from player.gl.gl_errors import ContextLost
 from player.gl.timers import profile_table
-from player.ui.panel import stands_beside
 from player.view.camera_animation import CameraPath, load_path
 from player.view.state import Scene
 from player.view.style import ColorMode, GroundChoice, Style
@@ -27,20 +26,12 @@ RESETS = 3  # of the graphics driver that are put up with
 
 
 def start(
-    files: Sequence[Path],
-    style: Style,
-    size: tuple[int, int] | None = None,
-    ground: GroundChoice | None = None,
-    turning: bool = False,
-    path: Path | None = None,
-    *,
-    kiosk: bool = False,
-    profile: bool = False,
-) -> None:
+    files: Sequence[Path], style: Style, size: tuple[int, int] | None,
+    ground: GroundChoice | None, turning: bool, path: Path | None, profile: bool,
+) -> None:  # fmt: skip
     """Play one clip, or two in step, as the command line and the last time left the window.
 
-    size, ground: None for those of the last time; path: file of a camera path to follow;
-    kiosk: full screen, over and over, nothing to press.
+    size, ground: None for those of the last time; path: file of a camera path to follow.
     Raises ClipError, and PlayerError as `show` does.
     """
     clips = [OpenClip.of(file) for file in files]
@@ -48,23 +39,13 @@ def start(
         raise PlayerError(lacking)
     last = load_settings()
     camera_path = load_path(path, clips[0].clip) if path else CameraPath()
-    beside = stands_beside((size or last.size)[0])  # else it would lie over the plant
-    changes = {
-        "turning": turning,
-        "path": camera_path,
-        "following": bool(camera_path),
-        "panel": last.panel and beside,
-        "guides": last.guides,
-        "legend": last.legend,
-        "kiosk": kiosk,
-        "fullscreen": kiosk,
-    }
+    kept = {name: getattr(last, name) for name in ("panel", "guides", "legend")}
+    changes = {"turning": turning, "path": camera_path, "following": bool(camera_path), **kept}
     style = replace(style, ground=ground or last.ground)
     scene, shown = show(clips, style, size=size or last.size, changes=changes, profile=profile)
-    if not kiosk:
-        kept = last.size if size or scene.fullscreen else shown
-        panel, light = scene.panel if beside else last.panel, GroundChoice(scene.style.ground)
-        save_settings(Settings(kept, panel, light, scene.guides, scene.legend))
+    size = last.size if size or scene.fullscreen else shown
+    light = GroundChoice(scene.style.ground)
+    save_settings(Settings(size, scene.panel, light, scene.guides, scene.legend))
 
 
 def show(
@@ -111,13 +92,14 @@ def show(
     lost: list[Scene] = []
     while True:
         with opened(size, shown[0].name) as handle:
-            window = Window(handle, shown, style or Style(), changes or {}, watch)
+            window = Window(handle, shown, {"style": style or Style(), **(changes or {})})
+            window.watch = watch
             window.scene = lost[-1] if lost else window.scene
             try:
-                scene = window.run()
+                ended = window.run()
                 if profile:
                     print(profile_table(window.viewports.timers), file=sys.stderr)
-                return scene, window.size
+                return ended
             except ContextLost:
                 shown, lost = window.clips, [*lost, window.scene]
                 if len(lost) > RESETS:

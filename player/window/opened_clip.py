@@ -31,24 +31,20 @@ class OpenClip:
 
 
 class FileWatch:
-    """Notices when files are replaced, as `bake` does by renaming."""
+    """Notices when files are replaced, as `bake` does by renaming; missing ones are awaited."""
 
     def __init__(self, *files: Path) -> None:
-        self._seen = {file: _mark(file) for file in files}
+        self._seen: dict[Path, object] = dict.fromkeys(files)
+        self.changed()
 
     def changed(self) -> bool:
-        """Whether any of them is another file than at the last look; a missing one is awaited."""
-        now = {file: _mark(file) or before for file, before in self._seen.items()}
-        found, self._seen = now != self._seen, now
-        return found
-
-
-def _mark(file: Path) -> tuple[int, int, int] | None:
-    try:
-        state = os.stat(file)
-    except OSError:
-        return None
-    return state.st_ino, state.st_size, state.st_mtime_ns
+        """Whether any of them is another file than at the last look."""
+        before = dict(self._seen)
+        for file in before:
+            with suppress(OSError):
+                state = os.stat(file)
+                self._seen[file] = state.st_ino, state.st_size, state.st_mtime_ns
+        return before != self._seen
 
 
 class KeptEdits:

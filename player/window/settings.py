@@ -1,5 +1,6 @@
 """What the window remembers from one time to the next."""
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated
 
@@ -7,8 +8,6 @@ import msgspec
 from msgspec import Meta
 from platformdirs import user_config_path
 
-from gclip.errors import UserError
-from gclip.terminal.atomic import atomic_file
 from player.view.style import GroundChoice
 
 FILE = "window.json"
@@ -35,13 +34,10 @@ def load_settings() -> Settings:
 
 
 def save_settings(settings: Settings) -> None:
-    """Whole or not at all; where the folder can't be written to, nothing is remembered."""
-    try:
+    """Where the folder can't be written to, nothing is remembered."""
+    with suppress(OSError):
         _folder().mkdir(parents=True, exist_ok=True)
-        with atomic_file(_folder() / FILE) as part:
-            part.write_bytes(msgspec.json.encode(settings))
-    except (OSError, UserError):
-        pass
+        (_folder() / FILE).write_bytes(msgspec.json.encode(settings))
 
 
 def _folder() -> Path:

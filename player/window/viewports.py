@@ -8,7 +8,6 @@ import moderngl
 from gclip import Clip
 from gclip.corrections import Place
 from player.gl.framebuffer import framebuffer, textures_of
-from player.gl.gl_errors import pictures_of
 from player.gl.shader import Passes
 from player.gl.timers import PassTimers
 from player.rendering.renderer import Renderer
@@ -20,6 +19,7 @@ from player.view.state import Scene
 from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
 
+Size = tuple[int, int]  # width and height in pixels
 ABOVE, BELOW = 68.0, 112.0  # what title and timeline take from the picture, in units
 
 
@@ -64,22 +64,17 @@ class Viewports:
         self._renderers: dict[tuple[int, str, int | None], Renderer] = {}
         self._passes = Passes(context)
         self._pictures: dict[int, moderngl.Framebuffer] = {}
-        self._painted: tuple[tuple[int, int], tuple[Pane, ...], Style, Detail] | None = None
+        self._painted: tuple[Size, tuple[Pane, ...], Style, Detail] | None = None
         self.whole = self.loading = True
         self.gpu_seconds = 0.0
 
     def paint(
-        self,
-        size: tuple[int, int],
-        panes: Sequence[Pane],
-        style: Style,
-        detail: Detail,
-        upload_budget: float | None,
+        self, size: Size, panes: Sequence[Pane], style: Style, detail: Detail, budget: float | None
     ) -> None:
         """Bring a picture of (width, height) pixels up to date.
 
         panes: what it shows, from left to right; detail: how much of it to draw.
-        upload_budget: seconds that uploading may take; None waits for all of it.
+        budget: seconds that uploading may take; None waits for all of it.
         """
         wanted = (size, tuple(panes), style, detail)
         if wanted == self._painted and self.whole:
@@ -92,29 +87,29 @@ class Viewports:
             self.whole &= renderer.draw(
                 *(into, pane.day, pane.camera, style, pixels),
                 stride=detail.every,
-                upload_budget=upload_budget,
+                upload_budget=budget,
             )
             self.gpu_seconds += renderer.gpu_seconds
-        self.loading = upload_budget is not None and before != self._loaded
+        self.loading = budget is not None and before != self._loaded
         self._painted = wanted
 
     def organ_under(
-        self, scene: Scene, at: tuple[float, float]
+        self, scene: Scene, at: tuple[float, float], scale: float
     ) -> tuple[int | None, Place | None] | None:
-        """The track of the first clip's organ that is seen at a place of the picture, in pixels
-        from its top left corner, and where it was clicked; None over another clip.
+        """The track of the first clip's organ that is seen at a place of the picture, in units of
+        `scale` pixels from its top left corner, and where it was clicked; None over another clip.
         """
         assert self._painted
         size, panes, style, _ = self._painted
+        x, y = at[0] * scale, at[1] * scale
         for pane in panes:
             (left, _, width, height), seen = _places(pane, size)
-            if pane.clip == 0 and seen[0] <= at[0] < seen[0] + seen[2]:
-                x, y = at[0] - left, at[1]
-                renderer, whole = self._renderer(pane, style), (width, height)
-                track = renderer.organ_at(pane.day, pane.camera, style, (x, y), whole)
+            if pane.clip == 0 and seen[0] <= x < seen[0] + seen[2]:
+                renderer, place, whole = self._renderer(pane, style), (x - left, y), (width, height)
+                track = renderer.organ_at(pane.day, pane.camera, style, place, whole)
                 if track is None:
                     return None, None
-                view = pane.camera, width / height, (2 * x / width - 1, 1 - 2 * y / height)
+                view = pane.camera, width / height, (2 * (x - left) / width - 1, 1 - 2 * y / height)
                 return track, organ_place(scene.clip, track, pane.day, view)
         return None
 
@@ -133,14 +128,6 @@ class Viewports:
             screen.viewport, screen.scissor = _places(pane, size)
             self._passes.fill("blit", **textures_of(self._pictures[number]))
         screen.scissor = None  # type: ignore[assignment]
-
-    def pixels(self) -> bytes:
-        """The picture as RGB, bottom row first."""
-        assert self._painted
-        with pictures_of(self._painted[0]):
-            framebuffer = self._context.simple_framebuffer(self._painted[0], 3)
-        self.show(framebuffer)
-        return bytes(framebuffer.read(components=3, alignment=1))
 
     def release(self) -> None:
         for renderer in self._renderers.values():
@@ -167,7 +154,7 @@ class Viewports:
             self._renderers[key] = Renderer(self._context, clip)
         return self._renderers[key]
 
-    def _framebuffer(self, number: int, size: tuple[int, int]) -> moderngl.Framebuffer:
+    def _framebuffer(self, number: int, size: Size) -> moderngl.Framebuffer:
         """What a pane is drawn into; the last one is given up where its size differs."""
         if number not in self._pictures or self._pictures[number].size != size:
             self._pictures.pop(number, None)
@@ -177,7 +164,7 @@ class Viewports:
         return self._pictures[number]
 
 
-def _places(pane: Pane, size: tuple[int, int]) -> tuple[tuple[int, int, int, int], ...]:
+def _places(pane: Pane, size: Size) -> tuple[tuple[int, int, int, int], ...]:
     """Left, bottom, width and height of a pane's picture in the window, and of the part seen."""
     left, right = round(pane.left * size[0]), round(pane.right * size[0])
     seen = (left, 0, right - left, size[1])

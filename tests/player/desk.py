@@ -92,7 +92,9 @@ class Desk:
         for _ in range(times):
             self.framebuffer.clear(*(value / 255 for value in GROUND))
             self.places.clear()
-            self.scene = self.interface.draw(self.framebuffer, self.scene, self.size, self.scale)
+            self.scene = self.interface.draw(
+                self.framebuffer, self.scene, self.size, self.scale, ()
+            )
             self.clicked = self.interface.mouse.clicked or self.clicked
             assert self.context.error == "GL_NO_ERROR"
         return self.scene

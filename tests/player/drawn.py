@@ -15,6 +15,7 @@ from gclip import Clip
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera, triple
 from player.view.style import Style
+from player.window.viewports import Viewports
 
 Picture = NDArray[np.integer]
 
@@ -37,6 +38,15 @@ def read_pixels(framebuffer: moderngl.Framebuffer) -> Picture:
     """(height, width, 3) int, bottom row first."""
     pixels = np.frombuffer(framebuffer.read(components=3, alignment=1), np.uint8)
     return pixels.reshape(framebuffer.height, framebuffer.width, 3).astype(int)
+
+
+def window_pixels(
+    context: moderngl.Context, viewports: Viewports, size: tuple[int, int]
+) -> Picture:
+    """(height, width, 3) int, bottom row first: what a window shows of plants."""
+    framebuffer = context.simple_framebuffer(size, 3)
+    viewports.show(framebuffer)
+    return read_pixels(framebuffer)
 
 
 def drawn(

@@ -36,11 +36,11 @@ def tell(scene):
     t, c, s = scene.timeline, scene.camera, scene.style
     print(json.dumps({
         "day": t.day, "playing": t.playing, "speed": t.speed, "at_end": t.at_end.value,
-        "begin": t.begin, "end": t.end, "times": t.times,
+        "times": t.times,
         "yaw": c.yaw, "pitch": c.pitch, "distance": c.distance, "target": c.target,
         "flat": c.orthographic, "at_home": c == scene.home, "home": scene.home.distance,
         "ground": s.ground, "point_size": s.point_size, "color_by": scene.color_mode,
-        "pixels": s.pixels, "picked": s.picked, "second": s.second,
+        "picked": s.picked, "second": s.second,
         "hidden": sorted(s.hidden), "alone": s.alone,
         "floor": s.show_ground, "compare": scene.compare.value, "wipe": scene.wipe,
         "keys": len(scene.path.keys), "following": scene.following, "turning": scene.turning,

@@ -3,7 +3,6 @@
 import pickle
 import threading
 from dataclasses import replace
-from functools import partial
 
 import pytest
 
@@ -14,14 +13,10 @@ from baker.pipeline import bake_recorded
 PLAIN = Options(align="none", up="z", workers=1)
 
 
-def sent_away(jobs, report_progress):
+def sent_away(jobs, report_progress, workers):
     """A solver that sends each job away, the last first, as a cluster may."""
     solve, sent = pickle.loads(pickle.dumps((solve_interval, jobs)))
     yield from [solve(job) for job in reversed(sent)][::-1]
-
-
-def on_threads(workers):
-    return partial(solve_intervals, workers=workers)
 
 
 @pytest.mark.parametrize(
@@ -32,9 +27,10 @@ def on_threads(workers):
 def test_jobs_sent_away_give_the_same_clip(write_scans, tmp_path, options):
     """Whether threads have an interval each, or share its organs."""
     folder = write_scans(days=(0, 1, 2))
-    solvers = {"here": None, "few": on_threads(2), "many": on_threads(5), "away": sent_away}
-    for name, solve in solvers.items():
-        bake_recorded([folder], options, solve=solve)[0].save(tmp_path / f"{name}.gclip")
+    solvers = {"here": (None, 1), "few": (None, 2), "many": (None, 5), "away": (sent_away, 1)}
+    for name, (solve, workers) in solvers.items():
+        clip, _ = bake_recorded([folder], replace(options, workers=workers), solve=solve)
+        clip.save(tmp_path / f"{name}.gclip")
     assert len({(tmp_path / f"{name}.gclip").read_bytes() for name in solvers}) == 1
 
 
@@ -43,9 +39,8 @@ def test_progress_reaches_all_organs(write_scans, workers):
     reported = []
     bake_recorded(
         [write_scans(days=(0, 1, 2))],
-        PLAIN,
+        replace(PLAIN, workers=workers),
         lambda stage, *counts: reported.append(counts) if stage == "transport" else None,
-        solve=on_threads(workers),
     )
     assert reported[0][0] == 0
     assert reported[-1][0] == reported[-1][1] > 0
@@ -64,9 +59,9 @@ def test_progress_reaches_all_organs(write_scans, workers):
 def test_the_paper_registers_no_organs(write_scans, options, registered):
     searched = []
 
-    def solve(jobs, report_progress):
+    def solve(jobs, report_progress, threads):
         searched.extend(job.options.registered for job in jobs)
-        return solve_intervals(jobs, report_progress)
+        return solve_intervals(jobs, report_progress, threads)
 
     bake_recorded([write_scans()], options, solve=solve)
     assert set(searched) == {registered}
@@ -74,22 +69,22 @@ def test_the_paper_registers_no_organs(write_scans, options, registered):
 
 @pytest.mark.parametrize("workers", [1, 3])
 def test_an_error_in_a_job_ends_the_bake(write_scans, workers):
-    def solve(jobs, report_progress):
-        return solve_intervals([replace(job, end=None) for job in jobs], report_progress, workers)
+    def solve(jobs, report_progress, threads):
+        return solve_intervals([replace(job, end=None) for job in jobs], report_progress, threads)
 
     with pytest.raises(AttributeError):
-        bake_recorded([write_scans()], PLAIN, solve=solve)
+        bake_recorded([write_scans()], replace(PLAIN, workers=workers), solve=solve)
 
 
 def test_the_threads_of_earlier_stages_end_before_the_transport(write_scans):
     left = []
 
-    def solve(jobs, report_progress):
+    def solve(jobs, report_progress, threads):
         before = [one for one in threading.enumerate() if one.name.startswith("ThreadPool")]
         for thread in before:
             thread.join(5.0)
         left.extend(thread for thread in before if thread.is_alive())
-        return solve_intervals(jobs, report_progress)
+        return solve_intervals(jobs, report_progress, threads)
 
     bake_recorded([write_scans()], replace(PLAIN, workers=2), solve=solve)
     assert not left

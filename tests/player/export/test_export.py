@@ -16,7 +16,6 @@ from gclip.errors import UserError
 from player import render
 from player.errors import PlayerError
 from player.export import Film, export
-from player.export.image import save_screenshot
 from player.rendering.headless import Offscreen
 
 SMALL = Film(size=(64, 48), fps=10, seconds=0.6)
@@ -218,15 +217,6 @@ def test_odd_sides_are_kept(clip: Clip, tmp_path: Path, suffix: str) -> None:
     reader = imageio_ffmpeg.read_frames(str(tmp_path / f"film.{suffix}"))
     assert next(reader)["size"] == (65, 47)
     assert len(list(reader)) == 6
-
-
-def test_a_screenshot_takes_a_free_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    picture = np.arange(4 * 3 * 3, dtype=np.uint8).reshape(4, 3, 3)
-    for name in ("plant-day-1.png", "plant-day-1-2.png"):
-        assert save_screenshot(picture[::-1].tobytes(), (3, 4), "plant / day 1") == Path(name)
-        assert (iio.imread(name) == picture).all()
-    assert only(tmp_path) == ["plant-day-1-2.png", "plant-day-1.png"]
 
 
 def test_stopping_half_way_leaves_nothing(clip: Clip, tmp_path: Path) -> None:

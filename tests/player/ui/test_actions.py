@@ -9,6 +9,7 @@ from gclip.corrections import Place
 from player.ui import actions, keys
 from player.ui.actions import QUIT_NEXT
 from player.view.camera import Camera
+from player.view.camera_animation import CameraPath
 from player.view.choices import Compare, Edits
 from player.view.playback import AtEnd, Timeline
 from player.view.state import Scene
@@ -33,14 +34,14 @@ def pressed(scene: Scene, *names: str) -> Scene:
 @pytest.mark.parametrize("action", keys.ACTIONS.values(), ids=lambda action: action.name)
 def test_every_action_by_each_of_its_keys(scene: Scene, action: keys.Action) -> None:
     """From a state in which each of them does something."""
-    scene = pressed(scene, "right", "k", "n", "end")
-    scene = replace(scene, compare=Compare.WIPE, notice="told")
+    scene = pressed(scene, "right", "n", "end")
+    path = CameraPath(((0.0, scene.camera),))
+    scene = replace(scene, compare=Compare.WIPE, notice="told", path=path)
     scene = replace(scene, timeline=replace(scene.timeline.at(1.5), at_end=AtEnd.STOP))
     if action.name in ("first", "front"):
         scene = scene.with_camera(lambda camera: camera.orbit(0.3, 0.3))
-    if action.name in ("whole", "fit", "show all"):
+    if action.name in ("fit", "show all"):
         scene = scene.with_style(hidden=frozenset({0})).with_camera(lambda camera: camera.zoom(2.0))
-        scene = scene.with_timeline(lambda timeline: timeline.begun_here())
     places = Place("a.ply", (0.0, 0.0, 1.0), "leaf 1"), Place("b.ply", (0.0, 0.0, 2.0), "leaf 2")
     scene = replace(scene, chosen=places, edits=Edits())
     if action.name in ("undo", "redo"):
@@ -81,10 +82,6 @@ def test_escape_leaves_one_thing_at_a_time(scene: Scene) -> None:
     assert not scene.closed
     assert scene.notice == QUIT_NEXT
     assert pressed(scene, "escape").closed
-
-
-def test_escape_once_leaves_a_kiosk(scene: Scene) -> None:
-    assert pressed(replace(scene, kiosk=True), "escape").closed
 
 
 def test_shift_m_goes_through_the_colour_maps(scene: Scene) -> None:

@@ -58,14 +58,12 @@ def test_it_goes_the_short_way_round() -> None:
     assert abs(path.at(0.5).yaw) == pytest.approx(math.pi, abs=1e-6)
 
 
-def test_keys_are_replaced_and_removed() -> None:
+def test_a_key_takes_the_place_of_one_of_the_same_day() -> None:
     path = (
         CameraPath().with_key(1.0, Camera()).with_key(0.0, Camera()).with_key(1.0, Camera(yaw=1.0))
     )
     assert [day for day, _ in path.keys] == [0.0, 1.0]
     assert path.keys[1][1].yaw == 1.0
-    assert [day for day, _ in path.without_key(0.9).keys] == [0.0]
-    assert not CameraPath().without_key(0.0)
 
 
 def test_a_file_gives_the_same_path_even_about_another_origin(

@@ -16,7 +16,7 @@ from gclip import Clip, HeldOutScan
 from player.cli import main as play
 from player.errors import PlayerError
 from player.export import Film, export
-from player.ui import actions
+from player.ui import keys
 from player.view.camera import Camera
 from player.view.choices import Compare
 from player.view.colors import UNKNOWN, Colors, ValueRange
@@ -27,6 +27,7 @@ from player.view.state import Scene
 from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
 from player.window.viewports import Viewports
+from tests.player.drawn import window_pixels
 
 ERROR = Style(color_by="error")
 DAY = 1.0
@@ -87,7 +88,7 @@ def test_the_window_s_stage_shows_errors_and_goes_back(
 
     def picture(style: Style) -> np.ndarray:
         stage.paint(size, [pane], style, Detail(), None)
-        return np.frombuffer(stage.pixels(), np.uint8).reshape(120, 160, 3).astype(int)
+        return window_pixels(context, stage, size)
 
     before, errors, after = (picture(style) for style in (Style(), ERROR, Style()))
     stage.release()
@@ -127,7 +128,7 @@ def test_a_scan_left_out_is_drawn_as_it_is(context: moderngl.Context, clip: Clip
     for pane in (Pane(0, DAY, camera), Pane(0, DAY, camera, left_out=0)):
         for style in (Style(), ERROR):
             stage.paint(size, [pane], style, Detail(), None)
-            pictures.append(stage.pixels())
+            pictures.append(window_pixels(context, stage, size).tobytes())
     stage.release()
     assert len(set(pictures)) == 4
 
@@ -167,13 +168,13 @@ def test_a_clip_without_a_scan_left_out_says_how_to_get_one(
     with pytest.raises(PlayerError, match="left out"):
         Colors(clip).color_scale(ERROR)
     scene = Scene(Timeline.of([0.0, 2.0]), Camera(), Camera(), Style(), (clip,))
-    told = actions.COLOR.choose(scene, ColorMode.ERROR)
+    told = keys.ACTIONS["color"].choose(scene, ColorMode.ERROR)
     assert told.style == scene.style
     assert "bake it with --holdout 2" in told.notice
     held = replace(clip, held_out=(HeldOutScan("x.ply", 1.0, "day 1", clip.at(1.0).local),))
     for each, reached in ((clip, False), (held, True)):
         seen, shown = set(), replace(scene, clips=(each,))
         for _ in shown.color_modes:
-            shown = actions.COLOR.next(shown)
+            shown = keys.ACTIONS["color"].do(shown)
             seen.add(shown.color_mode)
         assert (ColorMode.ERROR in seen) == reached

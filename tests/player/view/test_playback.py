@@ -1,7 +1,6 @@
 """The clock, whatever the frame rate; and the dates between the scans."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import pytest
 from hypothesis import given
@@ -149,34 +148,6 @@ def test_short_dates_leave_out_only_a_shared_year() -> None:
     assert short_dates(["2020-03-08", "2020-03-10"]) == ["03-08", "03-10"]
     assert short_dates(["2020-12-08", "2021-01-10"]) == ["2020-12-08", "2021-01-10"]
     assert short_dates(["day 3", "day 5"]) == ["day 3", "day 5"]
-
-
-def test_a_range_is_played_and_nothing_else() -> None:
-    clock = replace(
-        Timeline.of([0.0, 2.0, 4.0]).at(1.0).begun_here().at(3.0).ended_here().at(1.0), playing=True
-    )
-    assert (clock.begin, clock.end) == (1.0, 3.0)
-    seen = []
-    for _ in range(400):
-        clock = clock.tick(0.05)
-        seen.append(clock.day)
-    assert 1.0 <= min(seen) < 1.1
-    assert max(seen) == 3.0
-    assert any(a > b for a, b in pairwise(seen))  # it looped
-
-
-def test_playing_from_outside_a_range_begins_at_its_beginning() -> None:
-    clock = Timeline.of([0.0, 2.0, 4.0]).at(1.0).begun_here().at(3.0).ended_here()
-    assert clock.at(3.8).played().tick(0.1).day < 1.3
-    assert clock.at(0.2).played().tick(0.1).day >= 1.0
-
-
-def test_ranges_never_turn_inside_out() -> None:
-    clock = Timeline.of([0.0, 2.0, 4.0]).at(1.0).ended_here().at(3.0).begun_here()
-    assert (clock.begin, clock.end) == (3.0, 4.0)
-    clock = clock.at(2.0).ended_here()
-    assert (clock.begin, clock.end) == (0.0, 2.0)
-    assert clock.unbounded() == replace(clock, begin=0.0, end=4.0)
 
 
 def test_frames_there_and_back() -> None:

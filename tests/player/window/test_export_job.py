@@ -3,14 +3,20 @@
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+import gclip
 from player.export.film import Film
 from player.output_names import free_name
+from player.view.camera_animation import load_path
+from player.view.choices import Wish
+from player.view.state import Exporting
 from player.window.export_job import Exports
+from player.window.opened_clip import OpenClip
 from tests.player.conftest import ClipMaker
 from tests.player.desk import scene_of
 from tests.player.shown import small_clip
@@ -63,6 +69,27 @@ def test_a_stopped_one_leaves_nothing(saved: Path) -> None:
     export.stop()
     assert "Stopped" in ended(export)
     assert [path.name for path in saved.parent.iterdir()] == ["plant.gclip"]
+
+
+def test_a_picture_waits_for_the_export_under_way(saved: Path) -> None:
+    exports, scene = Exports(), scene_of(small_clip())
+    exports.state = Exporting("film.mp4", 1, 2)
+    asked = replace(scene, wish=Wish.PICTURE)
+    told = exports.granted(asked, OpenClip.of(saved), (640, 480))
+    assert told == replace(scene, notice="film.mp4 is being exported; E stops it.")
+
+
+def test_a_camera_key_is_added_to_those_in_the_file(
+    saved: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(saved.parent)
+    scene, opened = scene_of(gclip.open(saved)), OpenClip.of(saved)
+    for day in (0.0, 5.0, 5.0):  # each time as if the window had just opened
+        asked = replace(scene, wish=Wish.CAMERA_KEY, timeline=scene.timeline.at(day))
+        told = Exports().granted(asked, opened, (640, 480))
+    kept = load_path(saved.parent / "plant.camera.json", opened.clip)
+    for path in (told.path, kept):
+        assert [day for day, _ in path.keys] == [0.0, 5.0]
 
 
 def test_one_whose_window_was_killed_leaves_nothing_either(saved: Path) -> None:

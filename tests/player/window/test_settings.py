@@ -1,15 +1,9 @@
 """What the window remembers, and that nothing can make it fail."""
 
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from player.view.camera import Camera
-from player.view.playback import Timeline
-from player.view.state import Scene
-from player.view.style import Style
-from player.window.launch import start
 from player.window.settings import FILE, Settings, load_settings, save_settings
 
 
@@ -53,24 +47,3 @@ def test_the_platform_s_own_folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Pa
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
     save_settings(Settings(panel=True))
     assert (tmp_path / "plant-growth-clips" / FILE).is_file()
-
-
-@pytest.mark.parametrize(("width", "opened"), [(1280, True), (480, False)])
-def test_a_narrow_window_begins_without_the_panel_and_a_wide_one_still_has_it(
-    folder: Path, clip_file: Path, monkeypatch: pytest.MonkeyPatch, width: int, opened: bool
-) -> None:
-    seen: list[bool] = []
-
-    def shown(
-        clips: object, style: Style, size: tuple[int, int], changes: Any, **rest: Any
-    ) -> tuple:
-        timeline = Timeline.of((0.0, 1.0))
-        camera = Camera()
-        scene = Scene(timeline, camera, camera, style, (), **changes)
-        seen.append(scene.panel)
-        return scene, size
-
-    monkeypatch.setattr("player.window.launch.show", shown)
-    start([clip_file], Style(), size=(width, 700))
-    assert seen == [opened]
-    assert load_settings().panel is not False
