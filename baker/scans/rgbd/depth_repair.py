@@ -20,8 +20,6 @@ from baker.scans.rgbd.camera import RepairOptions
 NOISE_SIGMAS = 3.0  # least height of a jump in standard deviations of the noise
 USUAL_NOISE = 0.1  # mm, scale of the robust loss of the surface's fit
 SIGMA, REACH = 2.0, 12  # pixels, of the diffusion's Gaussian kernel, and where it ends
-VALID, MISSING, PAINTED, JUMP, BESIDE = range(5)
-REASONS = ("valid", "not measured", "painted", "off their surface", "beside such pixels")
 
 
 def repair(
@@ -30,7 +28,7 @@ def repair(
     background: int = 0,
     painted: NDArray[np.bool_] | None = None,
     options: RepairOptions | None = None,
-) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
     Parameters
@@ -48,55 +46,40 @@ def repair(
     -------
     depth : (H, W) float64
         In mm; 0 outside of all labels and where it could not be filled.
-    reason : (H, W) uint8
-        Why depth was unknown, an index of `REASONS`.
+    unknown : (H, W) bool
+        Where depth was unknown in a label.
     """
-    from scipy.ndimage import find_objects, maximum_filter, minimum_filter
+    from scipy.ndimage import binary_dilation, find_objects, maximum_filter, minimum_filter
 
     options = options or RepairOptions()
     plant = labels != background
-    reason = np.full(labels.shape, VALID, np.uint8)
+    valid = plant & (depth > 0)
     if painted is not None:
-        reason[painted] = PAINTED
-    reason[depth <= 0] = MISSING
-    reason[~plant] = VALID
+        valid &= ~painted
     size = 2 * options.band + 1
     in_band = maximum_filter(labels, size) != minimum_filter(labels, size)
     repaired = np.zeros(labels.shape)
     number = np.unique(labels, return_inverse=True)[1].reshape(labels.shape)
     for k, box in enumerate(find_objects(number + 1)):
         inside = plant[box] & (number[box] == k)
-        if (inside & (reason[box] == VALID)).any():
-            filled = _repair_label(depth[box], inside, in_band[box], reason[box], options)
-            repaired[box][inside] = filled[inside]
-    return repaired, reason
-
-
-def _repair_label(
-    depth: NDArray[np.float64],
-    inside: NDArray[np.bool_],
-    in_band: NDArray[np.bool_],
-    reason: NDArray[np.uint8],
-    options: RepairOptions,
-) -> NDArray[np.float64]:
-    """Mark implausible depth of one label in `reason`; return the label's depth without it."""
-    from scipy.ndimage import binary_dilation
-
-    measured = inside & (reason == VALID)
-    surface = _polynomial_surface(depth, measured)
-    deviation = depth - surface
-    noise = 1.4826 * np.median(np.abs(deviation[measured]))
-    jumps = measured & in_band & (np.abs(deviation) > max(options.jump, NOISE_SIGMAS * noise))
-    # Pixels next to unknown depth are likely a mixture of both sides.
-    unknown = binary_dilation(inside & ~measured | jumps, np.ones((3, 3)))
-    beside = measured & in_band & ~jumps & unknown
-    reason[jumps], reason[beside] = JUMP, BESIDE
-    valid = measured & ~jumps & ~beside
-    weight, total = _diffuse(valid), _diffuse(np.where(valid, deviation, 0.0))
-    # 0 where no valid depth is in reach, or the filled depth would be behind the camera.
-    mean = np.divide(total, weight, out=-surface, where=weight > 0)
-    filled = np.maximum(surface + mean, 0.0)
-    return np.where(valid, depth, filled)
+        known = inside & valid[box]
+        if not known.any():
+            continue
+        surface = _polynomial_surface(depth[box], known)
+        deviation = depth[box] - surface
+        noise = 1.4826 * np.median(np.abs(deviation[known]))
+        is_far = np.abs(deviation) > max(options.jump, NOISE_SIGMAS * noise)
+        border = known & in_band[box]
+        known &= ~(border & is_far)
+        # Pixels next to unknown depth are likely a mixture of both sides.
+        known &= ~(border & binary_dilation(inside & ~known, np.ones((3, 3))))
+        valid[box][inside] = known[inside]
+        weight, total = _diffuse(known), _diffuse(np.where(known, deviation, 0.0))
+        # 0 where no valid depth is in reach, or the filled depth would be behind the camera.
+        mean = np.divide(total, weight, out=-surface, where=weight > 0)
+        filled = np.where(known, depth[box], np.maximum(surface + mean, 0.0))
+        repaired[box][inside] = filled[inside]
+    return repaired, plant & ~valid
 
 
 def _polynomial_surface(

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.scans.rgbd.camera import Camera, Patterns, read_camera
-from baker.scans.rgbd.depth_repair import REASONS, VALID, repair
+from baker.scans.rgbd.depth_repair import repair
 from baker.scans.rgbd.images import read_depth, read_labels, read_mask, read_pixels
 from baker.scans.scan import Scan, Series
 from baker.scans.times.conventions import Moment
@@ -41,16 +41,15 @@ def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
         before, _, after = Path(pattern).name.partition("*")
         files = (path for path in folder.glob(pattern) if path.is_file())
         found[kind] = {p.name.removeprefix(before).removesuffix(after): p for p in files}
-    colors = found["color"]
+    colors, depths, labels, masks = found.values()
     if len(colors) < 2:
         images = f"{len(colors) or 'no'} colour image{'s' * (len(colors) != 1)}"
         raise InputError(f"'{folder}' holds {images} '{patterns.color}'; growth needs two.")
     names = sorted(colors, key=natural_key)
-    for kind in ("depth", "label")[: 1 + bool(found["label"])]:
-        for name in (name for name in names if name not in found[kind]):
-            missing = getattr(patterns, kind).replace("*", name)
-            raise InputError(f"'{colors[name]}' has no {kind} image; '{missing}' is missing.")
-    depths, labels, masks = found["depth"], found["label"], found["mask"]
+    for kind in ("depth", "label") if labels else ("depth",):
+        if lacking := [name for name in names if name not in found[kind]]:
+            missing = getattr(patterns, kind).replace("*", lacking[0])
+            raise InputError(f"'{colors[lacking[0]]}' has no {kind} image; '{missing}' is missing.")
     return tuple(Frame(n, colors[n], depths[n], labels.get(n), masks.get(n)) for n in names)
 
 
@@ -70,13 +69,13 @@ def schedule_frames(
         return schedule_scans(paths, times_file, from_folder=True)
 
     moments = []
-    for frame, slot in zip(frames, slots, strict=True):
+    for path, slot in zip(paths, slots, strict=True):
         day, number = int(slot["day"]), int(slot["slot"])
         if number >= per_day:
             raise InputError(
-                f"'{frame.color}' is number {number} of its day, but a day has {per_day} images, "
-                f"0 to {per_day - 1}; set per_day in the camera's file (24 where the number is "
-                "the hour)."
+                f"'{path}' is number {number} of its day, but a day has {per_day} images, 0 to "
+                f"{per_day - 1}; set per_day in the camera's file (24 where the number is the "
+                "hour)."
             )
         time = day + number / per_day
         moments.append(Moment(time, f"day {time:.2f}"))
@@ -107,19 +106,24 @@ class ImageSeries:
         """
         frame, camera = self.frames[color], self.camera
         colors, depth, labels, painted = self._images(frame)
-        notes: tuple[str, ...] = ()
+        notes = []
         if labels is None:
             depth[painted] = 0.0
         else:
-            depth, reason = repair(depth, labels, camera.background, painted, camera.repair)
-            notes = _notes(depth, reason, labels != camera.background)
+            depth, unknown = repair(depth, labels, camera.background, painted, camera.repair)
+            plant = labels != camera.background
+            lost = (plant & (depth == 0)).sum()
+            notes.append(
+                f"depth unknown at {unknown.sum()} of {plant.sum()} labelled pixels; "
+                f"{unknown.sum() - lost} filled by diffusion, {lost} left out (no valid depth near)."
+            )
         chosen = depth > 0
         if not chosen.any():
             path, pixel = (frame.label, "labelled pixel") if frame.label else (frame.depth, "pixel")
             raise InputError(f"'{path}' shows no plant: no {pixel} has a depth.")
         point_labels = labels[chosen] if labels is not None and use_labels else None
         points = unproject(depth, camera, self._ground)
-        return Scan(points, point_labels, colors[chosen], notes, path=color)
+        return Scan(points, point_labels, colors[chosen], tuple(notes), path=color)
 
     def files(self, color: Path) -> tuple[Path, ...]:
         """The files that a frame is read from, its colour image first."""
@@ -145,10 +149,10 @@ class ImageSeries:
         """Read colours, depth (cropped as the camera file says), labels and mask, of one size."""
         camera, colors = self.camera, read_pixels(frame.color, "RGB", "RGB")
         depth = read_depth(frame.depth, camera.depth_unit)
-        for k, side in enumerate(("height", "width")):
-            if (expected := getattr(camera, side)) not in (None, depth.shape[k]):
-                message = f"has the {side} {depth.shape[k]}, but '{self.camera_file}' says"
-                raise InputError(f"'{frame.depth}' {message} {expected}.")
+        height, width = depth.shape
+        if (camera.width or width, camera.height or height) != (width, height):
+            expected = f"not of the width and height in '{self.camera_file}'"
+            raise InputError(f"'{frame.depth}' is {width}x{height} pixels, {expected}.")
         height, width = colors.shape[:2]
         if camera.crop is not None:
             left, top = camera.crop
@@ -177,19 +181,3 @@ def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDAr
     x = (u + left - camera.cx) / camera.fx * z
     y = (v + top - camera.cy) / camera.fy * z
     return np.stack([x, -y, ground - z], axis=1)
-
-
-def _notes(
-    depth: NDArray[np.float64], reason: NDArray[np.uint8], plant: NDArray[np.bool_]
-) -> tuple[str, ...]:
-    """Notes on the pixels that were repaired and on those that could not be."""
-    counts = np.bincount(reason[plant], minlength=len(REASONS))
-    unknown, lost = plant.sum() - counts[VALID], (plant & (depth == 0)).sum()
-    reasons = zip(counts[VALID + 1 :], REASONS[VALID + 1 :], strict=True)
-    listed = ", ".join(f"{count} {why}" for count, why in reasons if count) or "none"
-    notes = (
-        f"depth unknown at {unknown} of {plant.sum()} labelled pixels ({listed}); "
-        f"{unknown - lost} filled by diffusion.",
-        f"left out {lost} pixels without any valid depth in reach.",
-    )
-    return notes if lost else notes[:1]
