@@ -95,25 +95,10 @@ def _read_off(path: Path) -> Mesh:
 def points_on_surface(vertices: Mapping[str, NDArray], faces: Iterable[NDArray]) -> Columns:
     """Sample points on faces by stratified sampling: one in each equal share of the surface.
 
-    Positions and colours are interpolated in the triangle; other fields are those of the nearest
-    corner. Larger faces are split into fans of triangles.
-
-    Parameters
-    ----------
-    vertices : mapping
-        Field name -> (V,) numbers.
-    faces : iterable of (F, k) arrays
-        Indices of the vertices of F faces of k corners each.
-
-    Returns
-    -------
-    Columns
-        The vertices themselves, if the faces have no area.
-
-    Raises
-    ------
-    FormatError
-        If a face has a corner that is not a vertex.
+    `vertices` are (V,) numbers by the name of their field. Each array of `faces`, (F, k), holds the
+    indices of the vertices of F faces, which are split into triangles. Positions and colours are
+    interpolated in the triangle; other fields are those of the nearest corner. If the faces have no
+    area, returns the vertices. Raises FormatError where a corner is not a vertex.
     """
     fans = [
         polygons[:, [(0, k, k + 1) for k in range(1, polygons.shape[1] - 1)]].reshape(-1, 3)

@@ -20,6 +20,7 @@ DELIMITERS = (";", "\t", ",", None)  # the last one is any white space
 SKIPPED = ("-", "_")  # names of columns that are not used
 MIN_COUNTED = 9  # in so few rows, a column may count the rows by chance
 USUAL_WIDTHS = range(3, 13)  # numbers of columns that are understood without a header
+HINT = "say what the columns are, as in --columns label,x,y,z,- (- is not used)"
 
 
 def read(path: Path, asked: Sequence[str] = ()) -> Columns:
@@ -42,8 +43,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     unread = [names[i] for i in used if i not in numbers + words]
     has_names = bool(asked or header)
     if unread and not (has_names and {*"xyzXYZ"}.isdisjoint(unread)):
-        hint = f"; say what the columns are, as in {_example('label,x,y,z', width)}" * (width > 3)
-        raise _not_a_number(values, first_line, hint)
+        raise _not_a_number(values, first_line, f"; {HINT}")
 
     load: Any = partial(np.loadtxt, rows, delimiter=delimiter, quotechar='"', ndmin=2)
     # A delimiter at the end of a row makes an empty column, which `usecols` leaves out.
@@ -58,8 +58,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     notes: tuple[str, ...] = ()
     if not has_names:
         if width > 3 and len(table) > MIN_COUNTED and (np.diff(table[:, 0]) == 1).all():
-            example = _example("-,x,y,z", width)
-            raise FormatError(f"its first column counts the rows; name the columns: {example}.")
+            raise FormatError(f"has a first column that counts the rows; {HINT}.")
         for i, name in zip(numbers, usual_names(table, is_leica=count is not None), strict=False):
             names[i] = name
         notes = (f"no header line: columns taken as {' '.join(names)}.",)
@@ -93,13 +92,11 @@ def _read_lines(path: Path) -> list[str]:
     Between semicolons, commas become decimal points. Raises FormatError for a binary file, or a
     line that is too long for a row of numbers.
     """
-    with path.open("rb") as file:
-        head = file.read(65536)
-    is_utf_16 = head.startswith((b"\xff\xfe", b"\xfe\xff"))
-    if b"\0" in head and not is_utf_16:
+    content = path.read_bytes()
+    is_utf_16 = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+    if b"\0" in content and not is_utf_16:
         raise FormatError("is not a text file, though its suffix says so.")
-    with path.open(encoding="utf-16" if is_utf_16 else "utf-8-sig", errors="replace") as file:
-        lines = file.readlines()
+    lines = content.decode("utf-16" if is_utf_16 else "utf-8-sig", "replace").splitlines()
     if longest := next((k for k, line in enumerate(lines, 1) if len(line) >= LONGEST_LINE), None):
         raise FormatError(f"{LONGEST_LINE} characters or more are no row of numbers.", longest)
     return [line.replace(",", ".") if ";" in line else line for line in lines]
@@ -139,11 +136,8 @@ def _column_names(header: Sequence[str] | None, width: int, line: int) -> list[s
     if not header:
         if width in USUAL_WIDTHS:
             return [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
-        raise FormatError(
-            f"{width} columns without a header line; 3 to 12 are understood, for others say what "
-            f"they are, as in {_example('x,y,z', width)} (- is not used).",
-            line,
-        )
+        reason = f"{width} columns without a header line, of which 3 to 12 are understood"
+        raise FormatError(f"{reason}; {HINT}.", line)
     if len(header) != width:
         reason = f"{width} columns, but {len(header)} names of columns"
         raise FormatError(f"{reason} ({excerpt(' '.join(header))}).", line)
@@ -151,11 +145,6 @@ def _column_names(header: Sequence[str] | None, width: int, line: int) -> list[s
     if times > 1 and name not in SKIPPED:
         raise FormatError(f"has a header that names two columns '{excerpt(name)}'.")
     return [*map(_axis, header)]
-
-
-def _example(first: str, width: int) -> str:
-    """The option --columns with the names of the first of `width` columns."""
-    return "--columns " + excerpt(first + ",-" * (width - first.count(",") - 1))
 
 
 def _raise_fault(
@@ -168,7 +157,7 @@ def _raise_fault(
             found = f"{len(values)} value{'s' * (len(values) != 1)} found"
             expected = f"{len(names)} expected ({excerpt(' '.join(names))})"
             raise FormatError(f"{found}, but {expected}.", number) from None
-        if not all(_is_number(values[i]) for i in numbers if values):
+        if values and not all(_is_number(values[i]) for i in numbers):
             hint = ", but the first row has one there"
             raise _not_a_number([values[i] for i in numbers], number, hint) from None
 
