@@ -9,12 +9,12 @@ import pickle
 import signal
 import sys
 from collections.abc import Callable
-from contextlib import suppress
+from contextlib import AbstractContextManager, suppress
 from functools import partial
 from queue import SimpleQueue
 from subprocess import DEVNULL, PIPE, Popen, TimeoutExpired
 from threading import Lock, Thread
-from typing import Any, BinaryIO, Self
+from typing import Any, BinaryIO
 
 from gclip.terminal.interrupts import until_interrupted
 
@@ -23,7 +23,7 @@ class ChildEnded(Exception):
     """The child process ended, or ran out of memory, before the function returned."""
 
 
-class ChildProcess:
+class ChildProcess(AbstractContextManager):
     """A child process that calls functions, one after the other.
 
     It is started by the first call, and started again by the first call after a crash. It ends when
@@ -37,9 +37,6 @@ class ChildProcess:
         self._process: Popen[bytes] | None = None
         self._is_stopped = False
         self._lock = Lock()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.stop()
@@ -67,11 +64,9 @@ class ChildProcess:
             if self._process is None or self._process.poll() is not None:
                 path = f"sys.path[:] = {[*map(str, sys.path)]}"
                 program = f"import sys; {path}; from {__name__} import serve; serve()"
-                command = [sys.executable, "-c", program]
+                command, pipes = [sys.executable, "-c", program], {"stdin": PIPE, "stdout": PIPE}
                 # In a process group of its own, which a terminal's Ctrl-C does not reach.
-                self._process = Popen(
-                    command, stdin=PIPE, stdout=PIPE, stderr=self._stderr, process_group=0
-                )
+                self._process = Popen(command, **pipes, stderr=self._stderr, process_group=0)
             calls, results = self._process.stdin, self._process.stdout
             assert calls
             assert results
@@ -112,19 +107,15 @@ def _receive(calls: "SimpleQueue[bytes]") -> None:
 def _call(calls: "SimpleQueue[bytes]", results: BinaryIO) -> None:
     while True:
         memory, function, arguments = pickle.loads(calls.get())
-        _limit_memory(memory)
+        # Windows has no `resource`; a limit above the user's own is refused.
+        with suppress(ImportError, ValueError):
+            import resource
+
+            _, hard_limit = resource.getrlimit(resource.RLIMIT_DATA)
+            resource.setrlimit(resource.RLIMIT_DATA, (memory, hard_limit))
         try:
             result = function(*arguments)
         except Exception as error:
             result = error
         pickle.dump(result, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
         results.flush()
-
-
-def _limit_memory(memory: int) -> None:
-    # Windows has no `resource`; a limit above the user's own is refused.
-    with suppress(ImportError, ValueError):
-        import resource
-
-        _, hard_limit = resource.getrlimit(resource.RLIMIT_DATA)
-        resource.setrlimit(resource.RLIMIT_DATA, (memory, hard_limit))

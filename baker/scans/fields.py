@@ -30,10 +30,9 @@ def choose_fields(
 ) -> Scan:
     """Make a scan from the fields of a file; its labels are chosen later, among its `fields`.
 
-    `path` is the file's, for messages. Only `label_field` may be labels or, by default, all fields
-    that look like labels; none if `use_labels` is False. The fields of `carried` become scalars of
-    the clip; those that are infinite, or too large for a float32, become NaN: no value. Colours
-    whose values are out of range are left out with a note. Raises InputError if x, y, z,
+    Only `label_field` may be labels or, by default, all fields that look like labels; none if
+    `use_labels` is False. The fields of `carried` become scalars of the clip; those that are
+    infinite, or too large for a float32, become NaN: no value. Raises InputError if x, y, z,
     `label_field` or a field of `carried` is missing.
     """
     by_name = {name.lower(): name for name in reversed(columns.values)}  # of equal names the first
@@ -44,7 +43,7 @@ def choose_fields(
         raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {found}.")
     used = [by_name[axis] for axis in "xyz"]
     points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
-    notes = [f"positions from {_quoted(used)}"]
+    note = f"positions from {_quoted(used)}"
 
     scalars = {}
     for name in carried:
@@ -61,15 +60,12 @@ def choose_fields(
         labels = [n for n in rest if label_rank(n) is not None or _may_be_labels(rest[n])]
 
     colors = None
-    color_names = next((names for names in COLOR_NAMES if set(names) <= set(by_name)), ())
-    if color_names:
+    if color_names := next((names for names in COLOR_NAMES if set(names) <= set(by_name)), None):
         used = [by_name[name] for name in color_names]
         colors, scale = to_srgb([columns.values[name] for name in used])
-        notes.append(f"colours from {_quoted(used)} ({scale})")
-
-    notes = [*columns.notes, "; ".join(notes) + "."]
+        note += f"; colours from {_quoted(used)} ({scale})"
     fields = {name: columns.values[name] for name in labels}
-    return Scan(points, None, colors, tuple(notes), fields, scalars, path)
+    return Scan(points, None, colors, (*columns.notes, f"{note}."), fields, scalars, path)
 
 
 def _may_be_labels(values: NDArray) -> bool:

@@ -191,14 +191,13 @@ def _read_unchanged(paths: Sequence[Path], read: Callable[[], Scan]) -> Scan:
     """
 
     def states() -> list[tuple[int, ...]]:
-        with input_errors(paths[0]):
-            return [identity(path.stat()) for path in paths]
+        return [identity(path.stat()) for path in paths]
 
-    before = states()
-    try:
-        with input_errors(paths[0]):
+    with input_errors(paths[0]):
+        before = states()
+        try:
             return replace(read(), sha256=digest(paths))
-    finally:  # also after an error, of which the change may be the cause
-        if states() != before:
-            changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."
-            raise InputError(changed) from None
+        finally:  # also after an error, of which the change may be the cause
+            if states() != before:
+                changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."
+                raise InputError(changed) from None

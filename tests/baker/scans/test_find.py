@@ -21,7 +21,7 @@ def test_links_to_files_that_are_not_there_are_named(make_folder):
 def test_pipes_named_as_scans_are_named(make_folder):
     folder = make_folder({"day1.ply": "", "day2.ply": ""})
     os.mkfifo(folder / "day3.ply")
-    with pytest.raises(InputError, match=r"day3\.ply' is no regular file\."):
+    with pytest.raises(InputError, match=r"day3\.ply' is not a regular file\."):
         find_scans([folder])
 
 
