@@ -12,7 +12,6 @@ from baker.scans.formats import Columns, FormatError, require_no_bomb, require_r
 from baker.scans.formats.text import USUAL_WIDTHS, usual_names
 
 POINTS = ("points", "positions", "xyz")
-NUMBERS = "biuf"  # dtype kinds
 COLORS = ("colors", "colours", "rgb")
 
 
@@ -25,11 +24,9 @@ def read(path: Path) -> Columns:
     # A memory map allocates nothing for values that a damaged header only announces.
     array = np.load(path, mmap_mode="r", allow_pickle=False)
     if array.dtype.names:
-        fields = {name: np.asarray(array[name]) for name in array.dtype.names}
-        return Columns({name: v for name, v in fields.items() if _is_column(v)})
+        return Columns({n: np.asarray(array[n]) for n in array.dtype.names if _is_column(array[n])})
     if not _is_table(array, USUAL_WIDTHS):
-        found = f"shape {array.shape} and type {array.dtype}"
-        raise FormatError(f"holds an array of {found}; (N, 3) to (N, 12) numbers are read.")
+        raise FormatError(f"holds {_described(array)}; (N, 3) to (N, 12) numbers are read.")
     names = usual_names(array)
     names += [f"column {i + 1}" for i in range(len(names), array.shape[1])]
     columns = dict(zip(names, np.asarray(array).T, strict=True))
@@ -44,8 +41,7 @@ def _columns_of(arrays: Mapping[str, NDArray]) -> dict[str, NDArray]:
         raise FormatError(f"has no array '{POINTS[0]}' (it has {found}).")
     positions = arrays[points]
     if not _is_table(positions, (3,)):
-        found = f"shape {positions.shape} and type {positions.dtype}"
-        raise FormatError(f"has an array '{points}' of {found}, not (N, 3) numbers.")
+        raise FormatError(f"has as '{points}' {_described(positions)}, not (N, 3) numbers.")
     columns = dict(zip("xyz", positions.T, strict=True))
     for name in arrays:
         values = arrays[name]
@@ -53,19 +49,22 @@ def _columns_of(arrays: Mapping[str, NDArray]) -> dict[str, NDArray]:
             columns |= dict(zip(("red", "green", "blue"), values.T, strict=False))
         elif name != points and _is_column(values):
             columns["label" if name == "labels" else name] = values
-    for name, values in columns.items():
-        if len(values) != len(positions):
-            sizes = f"{len(positions)} points, but an array '{excerpt(name)}' of {len(values)}"
-            raise FormatError(f"has {sizes} values.")
+    if wrong := [name for name, values in columns.items() if len(values) != len(positions)]:
+        sizes = f"{len(positions)} points, but {len(columns[wrong[0]])} values"
+        raise FormatError(f"has {sizes} in its array '{excerpt(wrong[0])}'.")
     return columns
 
 
+def _described(values: NDArray) -> str:
+    return f"an array of shape {values.shape} and type {values.dtype}"
+
+
 def _is_table(values: NDArray, widths: Container[int]) -> bool:
-    return values.ndim == 2 and values.shape[1] in widths and values.dtype.kind in NUMBERS
+    return values.ndim == 2 and values.shape[1] in widths and values.dtype.kind in "biuf"
 
 
 def _is_column(values: NDArray) -> bool:
-    return values.ndim == 1 and values.dtype.kind in NUMBERS
+    return values.ndim == 1 and values.dtype.kind in "biuf"
 
 
 def _require_sound_headers(path: Path) -> None:

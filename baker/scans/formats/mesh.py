@@ -12,13 +12,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.scans.fields import COLOR_NAMES
 from baker.scans.formats import Columns, FormatError, require_count
 
 MIN_POINTS, MAX_POINTS = 20_000, 100_000
 """As many points are sampled as the mesh has vertices, within these limits."""
 
-INTERPOLATED = {*"xyz", *(name for names in COLOR_NAMES for name in names)}
 Mesh = tuple[NDArray, list[NDArray]]
 """(V, 3) vertices or, with red, green and blue, (V, 6) or more, and the faces of each size."""
 
@@ -96,27 +94,25 @@ def points_on_surface(vertices: Mapping[str, NDArray], faces: Iterable[NDArray])
     """Sample points on faces by stratified sampling: one in each equal share of the surface.
 
     `vertices` are (V,) numbers by the name of their field. Each array of `faces`, (F, k), holds the
-    indices of the vertices of F faces, which are split into triangles. Positions and colours are
-    interpolated in the triangle; other fields are those of the nearest corner. If the faces have no
-    area, returns the vertices. Raises FormatError where a corner is not a vertex.
+    indices of the vertices of F faces, which are split into triangles. Colours, labels and other
+    fields are those of the nearest corner. If the faces have no area, returns the vertices. Raises
+    FormatError where a corner is not a vertex.
     """
     fans = [
         polygons[:, [(0, k, k + 1) for k in range(1, polygons.shape[1] - 1)]].reshape(-1, 3)
         for polygons in faces
         if polygons.shape[1] > 2
     ]
-    triangles = np.concatenate(
-        [np.empty((0, 3), np.int64), *fans], dtype=np.int64, casting="unsafe"
-    )
+    triangles = np.concatenate([np.empty((0, 3)), *fans]).astype(np.int64)
     count = len(next(iter(vertices.values())))
     if not ((triangles >= 0) & (triangles < count)).all():
         raise FormatError(f"has faces with corners that are not among its {count} vertices.")
     if not set("xyz") <= set(vertices):
         return Columns(dict(vertices))
-    positions = np.stack([vertices[axis].astype(np.float64) for axis in "xyz"], axis=1)
-    first, second, third = positions[triangles.T]
+    corners = np.stack([vertices[axis] for axis in "xyz"], axis=1).astype(np.float64)[triangles]
     with np.errstate(all="ignore"):
-        areas = np.linalg.norm(np.cross(second - first, third - first), axis=1)
+        sides = np.diff(corners, axis=1)
+        areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
         total = np.where(np.isfinite(areas), areas, 0.0).cumsum()
     if not 0.0 < total.max(initial=0.0) < np.inf:
         return Columns(dict(vertices))
@@ -124,16 +120,13 @@ def points_on_surface(vertices: Mapping[str, NDArray], faces: Iterable[NDArray])
     sampled = int(np.clip(count, MIN_POINTS, MAX_POINTS))
     random = np.random.default_rng(0)
     at_area = (np.arange(sampled) + random.random(sampled)) / sampled * total[-1]
-    chosen = triangles[np.searchsorted(total[:-1], at_area, side="right")]
+    chosen = np.searchsorted(total[:-1], at_area, side="right")
     # Uniform in a triangle: R. Osada et al., Shape Distributions, ACM ToG 21, 2002, equation 1.
     root, along = np.sqrt(random.random(sampled)), random.random(sampled)
     weights = np.stack([1 - root, root * (1 - along), root * along], axis=1)
-    nearest = chosen[np.arange(sampled), weights.argmax(axis=1)]
+    nearest = triangles[chosen, weights.argmax(axis=1)]
+    points = (corners[chosen] * weights[:, :, None]).sum(axis=1)
     columns = {name: values[nearest] for name, values in vertices.items()}
-    for name in (name for name in columns if name.lower() in INTERPOLATED):
-        values, kind = vertices[name][chosen], vertices[name].dtype
-        # Rounding must not lead out of the range of the values: 1.0000001 is no colour from 0 to 1.
-        mixed = np.clip((values * weights).sum(axis=1), values.min(axis=1), values.max(axis=1))
-        columns[name] = np.rint(mixed).astype(kind) if kind.kind in "iu" else mixed
+    columns |= dict(zip("xyz", points.T, strict=True))
     note = f"a mesh of {len(triangles)} triangles: {sampled} points sampled evenly on its surface."
     return Columns(columns, (note,))

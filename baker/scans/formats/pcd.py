@@ -19,7 +19,7 @@ LZF_RATIO = 88  # LZF turns at most 264 bytes into 3
 
 
 def read(path: Path) -> Columns:
-    """Read all fields; one with several values for each point becomes several fields.
+    """Read all fields but those that have several values for each point.
 
     Raises FormatError: not PCD, a wrong header, or a body that does not match its header.
     """
@@ -29,40 +29,28 @@ def read(path: Path) -> Columns:
         raise FormatError("is not a PCD file: its header has no line 'DATA'.")
     header, body = content[: end.end()].decode("latin-1"), content[end.end() :]
     words = {key: values for key, *values in map(str.split, filter(str.strip, header.split("\n")))}
-    record = _record(words)
+    record, count, form = _record(words), int(words["POINTS"][0]), words["DATA"][0]
     names = record.names or ()
-    widths = [record[name].shape[0] for name in names]
-    count, form = int(words["POINTS"][0]), words["DATA"][0]
-    sizes = {
-        "ascii": 2 * sum(widths) - 1,
-        "binary": record.itemsize,
-        "binary_compressed": record.itemsize / LZF_RATIO,
-    }
-    if form not in sizes:
-        raise FormatError(f"has the unknown DATA '{excerpt(form)}'; known are {', '.join(sizes)}.")
-    require_room(count, sizes[form], len(body))
     if form == "ascii":
-        numbers = np.array(body.split(), float)
-        require_count(count * sum(widths), len(numbers), "values")
-        fields = np.split(numbers.reshape(count, -1), np.cumsum(widths)[:-1], axis=1)
+        points = np.loadtxt(body.decode("latin-1").splitlines(), record, comments=None, ndmin=1)
+        require_count(count, len(points))
     elif form == "binary":
+        require_room(count, record.itemsize, len(body))
         points = np.frombuffer(body, record, count)
-        fields = [points[name] for name in names]
-    else:  # the sizes of packed and of unpacked data; then field after field
+    elif form == "binary_compressed":  # sizes of packed and unpacked data; then field after field
+        require_room(count, record.itemsize / LZF_RATIO, len(body))
         packed = body[8 : 8 + int.from_bytes(body[:4], "little")]
-        fields, rest = [], memoryview(decompress(packed, count * record.itemsize))
+        unpacked = decompress(packed, count * record.itemsize)
+        points, offset = np.empty(count, record), 0
         for name in names:
-            fields.append(np.frombuffer(rest, record[name], count))
-            rest = rest[fields[-1].nbytes :]
-    columns = {
-        f"{name}[{i}]" if i else name: column
-        for name, values in zip(names, fields, strict=True)
-        for i, column in enumerate(values.T)
-    }
-    for name in [n for n in names if n.lower() in ("rgb", "rgba") and record[n].itemsize == 4]:
-        numbers = np.ascontiguousarray(columns.pop(name), record[name].base)
-        channels = numbers.view(np.uint8).reshape(-1, 4).T
-        columns |= dict(zip(("blue", "green", "red"), channels, strict=False))
+            points[name] = np.frombuffer(unpacked, record[name], count, offset)
+            offset += points[name].nbytes
+    else:
+        raise FormatError(f"has the unknown DATA '{excerpt(form)}'.")
+    columns = {name: points[name] for name in names if points[name].ndim == 1}
+    for name in [n for n in columns if n.lower() in ("rgb", "rgba") and record[n].itemsize == 4]:
+        channels = np.ascontiguousarray(columns.pop(name)).view(np.uint8).reshape(-1, 4)
+        columns |= dict(zip(("blue", "green", "red"), channels.T, strict=False))
     return Columns(columns)
 
 
@@ -71,15 +59,15 @@ def _record(words: dict[str, list[str]]) -> np.dtype:
     if missing := [key for key in ("FIELDS", "SIZE", "TYPE", "POINTS") if not words.get(key)]:
         raise FormatError(f"has a PCD header without a line '{missing[0]}'.")
     fields, kinds, sizes = words["FIELDS"], words["TYPE"], words["SIZE"]
-    counts = words.get("COUNT", ["1"] * len(fields))
-    record: list[tuple[str, str, tuple[int]]] = []
+    counts = map(int, words.get("COUNT", ["1"] * len(fields)))
+    record: list[tuple] = []
     for name, kind, size, count in zip(fields, kinds, sizes, counts, strict=True):
         if not re.fullmatch("F[48]|[IU][1248]", kind + size):
             found = excerpt(f"'{name}' the TYPE {kind} and the SIZE {size}")
             raise FormatError(f"has a PCD header that gives the field {found}, which can't be.")
         # Several fields may be called "_" (padding).
         unique = f"_{len(record)}" if name == "_" else name
-        record.append((unique, f"<{kind.lower()}{size}", (int(count),)))
+        record.append((unique, f"<{kind.lower()}{size}", () if count == 1 else (count,)))
     return np.dtype(record)
 
 

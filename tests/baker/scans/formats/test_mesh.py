@@ -66,14 +66,18 @@ def test_points_lie_evenly_on_the_surface(mesh_file):
     assert "12 triangles: 20000 points sampled evenly" in cloud.notes[0]
 
 
-def test_colors_of_the_vertices_are_interpolated(mesh_file):
+def test_colors_are_those_of_the_vertices(mesh_file):
     cloud = read(mesh_file)
     if mesh_file.suffix == ".stl":
         assert cloud.colors is None
         return
-    expected = 255 * (cloud.points[:, 0] + 1) / 2
-    np.testing.assert_allclose(cloud.colors[:, 2], expected, atol=1.01)
-    np.testing.assert_array_equal(cloud.colors[:, 1], 0)
+    is_blue = cloud.colors[:, 2] > 0
+    np.testing.assert_array_equal(
+        cloud.colors, np.where(is_blue[:, None], [0, 0, 255], [255, 0, 0])
+    )
+    ends = np.abs(cloud.points[:, 0]) == 1
+    np.testing.assert_array_equal(is_blue[ends], cloud.points[ends, 0] > 0)
+    assert np.median(cloud.points[is_blue, 0]) > 0.5 > -0.5 > np.median(cloud.points[~is_blue, 0])
 
 
 @pytest.mark.parametrize("white", [np.float32(1), np.float64(255), np.uint8(255)])
