@@ -95,24 +95,18 @@ def _require_file(path: Path) -> None:
 
 def _describe(folder: Path, entries: Sequence[Path], scans: Sequence[Path]) -> str:
     """What a folder of fewer than two scans holds, and what to do about it."""
-    files = [path for path in entries if path.is_file()]
-    if not scans and any(path.suffix.lower() in IMAGES for path in files):
-        return (
-            "images, but no camera.toml (or camera.json) that says how the camera sees; it needs "
-            "at least fx, fy, cx and cy, in pixels"
-        )
+    suffixes = {suffix_of(path) for path in entries if path.is_file()}
+    if not scans and suffixes & IMAGES:
+        needed = "at least fx, fy, cx and cy, in pixels"
+        return f"images, but no camera.toml (or camera.json), which needs {needed}"
     found, example = "no scans", folder / "*" / "*.ply"
     if scans:
         found = f"only one scan, '{scans[0].name}'; growth needs at least two"
         example = folder.parent / "*" / scans[0].name
-    unread = [path for path in files if path.suffix and suffix_of(path) not in READERS]
-    if unread and len(files) == len(entries):
-        kinds = Counter(path.suffix.lower() for path in unread).most_common(3)
-        listed = ", ".join(f"{n} {excerpt(kind)} file{'s' * (n > 1)}" for kind, n in kinds)
-        return (
-            f"{found}; it holds {listed}, which can't be read: export point clouds as PLY, LAS or "
-            f"E57, meshes as PLY, OBJ or GLB (known are {KNOWN})"
-        )
+    unread = ", ".join(sorted(suffixes - {*READERS, ""}))
+    if unread and not any(path.is_dir() for path in entries):
+        advice = "export point clouds as PLY, LAS or E57, meshes as PLY, OBJ or GLB"
+        return f"{found}; {excerpt(unread)} can't be read: {advice} (known are {KNOWN})"
     return f"{found} (known are {KNOWN}); name those in several folders, as in bake {example}"
 
 

@@ -29,7 +29,6 @@ from baker.scans.rgbd.series import ImageSeries
 from baker.scans.scan import Scan, Series
 from baker.scans.size import require_one_unit
 from baker.scans.times.schedule import schedule_scans
-from gclip.file import identity
 
 
 def read_series(
@@ -130,8 +129,8 @@ class Listing:
 
         content = _read_unchanged(self.files(scan), read)
         points = content.points * options.scale
-        timed = replace(content, points=points, name=scan.name, time=scan.time, date=scan.date)
-        return drop_non_finite(timed)
+        timed = {"name": scan.name, "time": scan.time, "date": scan.date}
+        return drop_non_finite(replace(content, points=points, **timed))
 
 
 def list_series(
@@ -139,28 +138,16 @@ def list_series(
 ) -> Listing:
     """Find, time and order the scans of a series without reading them.
 
-    Parameters
-    ----------
-    inputs, options, times
-        As in `read_series`.
-
-    Raises
-    ------
-    InputError
-        If the inputs can't be read as one series.
+    Takes and raises what `read_series` does.
     """
-    camera = find_camera(inputs[0]) if len(inputs) == 1 else None
-    if camera and options.label_field is not None:
-        raise InputError(
-            f"'{inputs[0]}' holds images, whose labels are images too, not a field: leave out "
-            "--label-field."
-        )
-    file = options.times
+    camera, file = find_camera(inputs[0]) if len(inputs) == 1 else None, options.times
     if camera:
         images = ImageSeries(camera, file)
-        series = replace(images.series, fixed=True, length="mm")
-        if images.has_labels and options.labels != "ignore":
-            series = replace(series, root="virtual")
+        root = "virtual" if images.has_labels and options.labels != "ignore" else None
+        series = replace(images.series, fixed=True, length="mm", root=root)
+        if options.label_field is not None:
+            reason = "holds images, whose labels are images too, not a field"
+            raise InputError(f"'{inputs[0]}' {reason}: leave out --label-field.")
     else:
         images, from_folder = None, len(inputs) == 1
         series = schedule_scans(find_scans(inputs, file), file, times, from_folder)
@@ -185,19 +172,12 @@ def digest(paths: Sequence[Path]) -> str:
 
 
 def _read_unchanged(paths: Sequence[Path], read: Callable[[], Scan]) -> Scan:
-    """Read a scan and take the digest of its files.
-
-    Raises InputError where a file can't be read, or changes while it is read.
-    """
-
-    def states() -> list[tuple[int, ...]]:
-        return [identity(path.stat()) for path in paths]
-
-    with input_errors(paths[0]):
-        before = states()
-        try:
-            return replace(read(), sha256=digest(paths))
-        finally:  # also after an error, of which the change may be the cause
-            if states() != before:
-                changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."
-                raise InputError(changed) from None
+    """Read a scan from these files. Raises InputError also where they change meanwhile."""
+    sha256 = digest(paths)
+    try:
+        with input_errors(paths[0]):
+            return replace(read(), sha256=sha256)
+    finally:  # also after an error, of which the change may be the cause
+        if digest(paths) != sha256:
+            changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."
+            raise InputError(changed) from None

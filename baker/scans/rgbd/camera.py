@@ -15,16 +15,15 @@ from gclip.config_file import read_config
 
 CAMERA_FILES = ("camera.toml", "camera.json")
 
-LARGEST, SMALLEST = 1e9, 1e-9  # of the numbers that describe a camera
 MAX_FILE_SIZE = 1 << 16  # bytes
 PATTERN = r"(?![/\\]|(.*[/\\])?\.\.([/\\]|$))[^*?\[\]:]*\*[^*?\[\]:/\\]*"
 
-Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
-Positive = Annotated[float, Meta(ge=SMALLEST, le=LARGEST)]
-Count = Annotated[int, Meta(ge=1, le=int(LARGEST))]
+Number = Annotated[float, Meta(ge=-1e9, le=1e9)]
+Positive = Annotated[float, Meta(ge=1e-9, le=1e9)]
+Count = Annotated[int, Meta(ge=1, le=10**9)]
 Border = Annotated[int, Meta(ge=0, le=100)]
-Coordinate = Annotated[int, Meta(ge=0, le=int(LARGEST))]
-Label = Annotated[int, Meta(ge=-int(LARGEST), le=int(LARGEST))]
+Coordinate = Annotated[int, Meta(ge=0, le=10**9)]
+Label = Annotated[int, Meta(ge=-(10**9), le=10**9)]
 
 
 class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
@@ -38,18 +37,19 @@ class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
     def __post_init__(self) -> None:
         for name in self.__struct_fields__:
             if not re.fullmatch(PATTERN, getattr(self, name)):
-                raise ValueError(
-                    f"Expected as {name} a path in the folder, with one * in the file's own name"
-                )
+                needed = "a path in the folder, with one * in the file's own name"
+                raise ValueError(f"Expected as {name} {needed}")
 
 
 class RepairOptions(Struct, frozen=True, forbid_unknown_fields=True):
-    """Options of `baker.scans.rgbd.depth_repair`."""
+    """Options of `baker.scans.rgbd.depth_repair`.
+
+    band: pixels along the border of a label that are searched for jumps; 0 for no search.
+    jump: mm from the label's surface that are a jump, if they are more than the noise.
+    """
 
     band: Border = 6
-    """Width in pixels of the border of a label that is searched for jumps; 0 for no search."""
     jump: Positive = 2.0
-    """Distance in mm from the label's surface that is a jump, if it is larger than the noise."""
 
 
 class Camera(Struct, frozen=True, forbid_unknown_fields=True):

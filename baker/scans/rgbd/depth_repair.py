@@ -1,15 +1,11 @@
 """Repair implausible depth at the borders of organs (section 4 of the paper, Komatsuna).
 
-Along an organ's border, pixels of a depth camera show the background or a mixture of both. Each
-label is repaired separately, in two steps:
-
-1. Depth is marked unknown where the camera measured none, where a hand-painted mask marks it, and
-   in a band along the label's border where it jumps away from the label's surface, or is next to
-   unknown depth. The surface is a polynomial of degree 2, fitted robustly, which follows a tilted,
-   arched leaf.
-2. The deviation from the polynomial is filled by diffusion from the valid pixels (H. Knutsson,
-   C.-F. Westin, Normalized and Differential Convolution, CVPR 1993), so that a tilted leaf stays
-   tilted up to its border. Valid depth is never changed, nor is its noise removed.
+Along an organ's border, pixels of a depth camera show the background or a mixture of both. In each
+label, depth is unknown where the camera measured none, where a hand-painted mask marks it, and in a
+band along the border where it jumps away from the label's surface or is next to unknown depth. The
+surface is a polynomial of degree 2, fitted robustly, which follows a tilted, arched leaf. Unknown
+depth is filled by diffusion around it from the valid pixels, which are never changed themselves
+(H. Knutsson, C.-F. Westin, Normalized and Differential Convolution, CVPR 1993).
 """
 
 import numpy as np
@@ -31,23 +27,9 @@ def repair(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
-    Parameters
-    ----------
-    depth : (H, W) float64
-        In mm, 0 where nothing was measured.
-    labels : (H, W) integers
-    background : int
-        The label that is not repaired.
-    painted : (H, W) bool, optional
-        A hand-painted mask of unknown depth.
-    options : RepairOptions, optional
-
-    Returns
-    -------
-    depth : (H, W) float64
-        In mm; 0 outside of all labels and where it could not be filled.
-    unknown : (H, W) bool
-        Where depth was unknown in a label.
+    All images are (H, W). `depth` is in mm, 0 where nothing was measured; `painted` marks unknown
+    depth by hand. Returns the depth, 0 outside of labels and where it could not be filled, and
+    where in a label it was unknown.
     """
     from scipy.ndimage import binary_dilation, find_objects, maximum_filter, minimum_filter
 

@@ -30,10 +30,8 @@ def read_labels(path: Path) -> NDArray[np.int64]:
     """
     labels = _numbers(read_pixels(path, "I.*|1|L|P", "RGBA"))
     if (distinct := len(np.unique(labels))) > MAX_LABELS:
-        raise InputError(
-            f"'{path}' has {distinct} distinct colours; a label image needs one flat colour for "
-            "each organ, saved without loss and without smoothing."
-        )
+        needed = "a label image needs one flat colour for each organ, saved without loss"
+        raise InputError(f"'{path}' has {distinct} distinct colours; {needed}.")
     return labels
 
 

@@ -72,11 +72,9 @@ def schedule_frames(
     for path, slot in zip(paths, slots, strict=True):
         day, number = int(slot["day"]), int(slot["slot"])
         if number >= per_day:
-            raise InputError(
-                f"'{path}' is number {number} of its day, but a day has {per_day} images, 0 to "
-                f"{per_day - 1}; set per_day in the camera's file (24 where the number is the "
-                "hour)."
-            )
+            hint = "set per_day in the camera's file (24 where the number is the hour)"
+            found = f"is number {number} of its day, but a day has {per_day} images from 0 on"
+            raise InputError(f"'{path}' {found}; {hint}.")
         time = day + number / per_day
         moments.append(Moment(time, f"day {time:.2f}"))
     rule = f"from day and number in the names, {per_day} images a day"
@@ -139,10 +137,8 @@ class ImageSeries:
         _, depth, labels, _ = self._images(frame)
         ground = (depth > 0) & (labels is None or labels == self.camera.background)
         if not ground.any():
-            raise InputError(
-                f"'{frame.depth}' has no depth beside the plant, so the ground's distance is "
-                f"unknown; set ground (mm from the camera) in '{self.camera_file}'."
-            )
+            hint = f"set ground (mm from the camera) in '{self.camera_file}'"
+            raise InputError(f"'{frame.depth}' has no depth beside the plant; {hint}.")
         return float(np.median(depth[ground]))
 
     def _images(self, frame: Frame) -> tuple[NDArray, NDArray, NDArray | None, NDArray]:
@@ -161,11 +157,11 @@ class ImageSeries:
         painted = read_mask(frame.mask) if frame.mask else np.zeros(depth.shape, bool)
         for path, image in zip(frame[2:], (depth, labels, painted), strict=True):
             if image is not None and image.shape != (height, width):
-                raise InputError(
-                    f"'{path}' is {image.shape[1]}x{image.shape[0]} pixels, but "
-                    f"'{frame.color.name}' is {width}x{height}; the images of a frame must show "
-                    "the same pixels (or set crop in the camera's file)."
+                found = f"{image.shape[1]}x{image.shape[0]} pixels"
+                needed = (
+                    f"'{frame.color.name}' is {width}x{height} (or set crop in the camera's file)"
                 )
+                raise InputError(f"'{path}' is {found}, but {needed}.")
         return colors, depth, labels, painted
 
 

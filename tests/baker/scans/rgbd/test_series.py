@@ -273,7 +273,7 @@ SMOOTH = np.random.default_rng(0).integers(0, 256, (*SIZE, 3)).astype(np.uint8)
         ({"names": ("000_00", "00_00")}, "have the same time, day 0.00"),
         (
             {"extra": {"depth_000_00.png": np.where(leaf(0), 360, 0).astype(np.uint16)}},
-            "no depth beside the plant, .* set ground",
+            "no depth beside the plant; set ground",
         ),
     ],
 )

@@ -245,10 +245,10 @@ def test_folders_without_a_series(make_folder, tmp_path):
     with pytest.raises(InputError, match=r"holds no scans \(known are \.ply, .*\)"):
         names_in(make_folder({"notes": ""}, "none"))
     parts = dict.fromkeys(("a.sldprt", "b.SLDPRT", "c.step", "d.sldprt", "README.txt"), "")
-    said = r"3 \.sldprt files, 1 \.step file, which can't be read: export .* meshes as PLY, OBJ"
-    with pytest.raises(InputError, match=rf"holds no scans; it holds {said}"):
+    said = r"\.sldprt, \.step can't be read: export .* meshes as PLY, OBJ"
+    with pytest.raises(InputError, match=rf"holds no scans; {said}"):
         names_in(make_folder(parts, "parts"))
-    with pytest.raises(InputError, match=rf"at least two; it holds {said}"):
+    with pytest.raises(InputError, match=rf"at least two; {said}"):
         names_in(make_folder(parts | {"day1.ply": ""}, "parts"))
     with pytest.raises(
         InputError, match=r"no scans .* several folders, .* bake .*/below/\*/\*\.ply"
