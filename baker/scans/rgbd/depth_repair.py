@@ -1,11 +1,11 @@
 """Repair implausible depth at the borders of organs (section 4 of the paper, Komatsuna).
 
 Along an organ's border, pixels of a depth camera show the background or a mixture of both. In each
-label, depth is unknown where the camera measured none, where a hand-painted mask marks it, and in a
-band along the border where it jumps away from the label's surface or is next to unknown depth. The
-surface is a polynomial of degree 2, fitted robustly, which follows a tilted, arched leaf. Unknown
-depth is filled by diffusion around it from the valid pixels, which are never changed themselves
-(H. Knutsson, C.-F. Westin, Normalized and Differential Convolution, CVPR 1993).
+label, depth is unknown where it is 0, and in a band along the border where it jumps away from the
+label's surface or is next to unknown depth. The surface is a polynomial of degree 2, fitted
+robustly, which follows a tilted, arched leaf. Unknown depth is filled by diffusion around it from
+the valid pixels, which are never changed themselves (H. Knutsson, C.-F. Westin,
+Normalized and Differential Convolution, CVPR 1993).
 """
 
 import numpy as np
@@ -22,22 +22,18 @@ def repair(
     depth: NDArray[np.float64],
     labels: NDArray[np.integer],
     background: int = 0,
-    painted: NDArray[np.bool_] | None = None,
     options: RepairOptions | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
-    All images are (H, W). `depth` is in mm, 0 where nothing was measured; `painted` marks unknown
-    depth by hand. Returns the depth, 0 outside of labels and where it could not be filled, and
-    where in a label it was unknown.
+    All images are (H, W). `depth` is in mm, 0 where it is unknown. Returns the depth, 0 outside of
+    labels and where it could not be filled, and where in a label it was unknown.
     """
     from scipy.ndimage import binary_dilation, find_objects, maximum_filter, minimum_filter
 
     options = options or RepairOptions()
     plant = labels != background
     valid = plant & (depth > 0)
-    if painted is not None:
-        valid &= ~painted
     size = 2 * options.band + 1
     in_band = maximum_filter(labels, size) != minimum_filter(labels, size)
     repaired = np.zeros(labels.shape)

@@ -103,12 +103,10 @@ class ImageSeries:
         label, but returns no labels.
         """
         frame, camera = self.frames[color], self.camera
-        colors, depth, labels, painted = self._images(frame)
+        colors, depth, labels = self._images(frame)
         notes = []
-        if labels is None:
-            depth[painted] = 0.0
-        else:
-            depth, unknown = repair(depth, labels, camera.background, painted, camera.repair)
+        if labels is not None:
+            depth, unknown = repair(depth, labels, camera.background, camera.repair)
             plant = labels != camera.background
             lost = (plant & (depth == 0)).sum()
             notes.append(
@@ -134,15 +132,15 @@ class ImageSeries:
         if self.camera.ground is not None:
             return self.camera.ground
         frame = self.frames[self.series.scans[0].path]
-        _, depth, labels, _ = self._images(frame)
+        _, depth, labels = self._images(frame)
         ground = (depth > 0) & (labels is None or labels == self.camera.background)
         if not ground.any():
             hint = f"set ground (mm from the camera) in '{self.camera_file}'"
             raise InputError(f"'{frame.depth}' has no depth beside the plant; {hint}.")
         return float(np.median(depth[ground]))
 
-    def _images(self, frame: Frame) -> tuple[NDArray, NDArray, NDArray | None, NDArray]:
-        """Read colours, depth (cropped as the camera file says), labels and mask, of one size."""
+    def _images(self, frame: Frame) -> tuple[NDArray, NDArray, NDArray | None]:
+        """Read colours, depth (cropped; 0 where masked) and labels, of one size."""
         camera, colors = self.camera, read_pixels(frame.color, "RGB", "RGB")
         depth = read_depth(frame.depth, camera.depth_unit)
         height, width = depth.shape
@@ -154,15 +152,15 @@ class ImageSeries:
             left, top = camera.crop
             depth = depth[top : top + height, left : left + width]
         labels = read_labels(frame.label) if frame.label else None
-        painted = read_mask(frame.mask) if frame.mask else np.zeros(depth.shape, bool)
-        for path, image in zip(frame[2:], (depth, labels, painted), strict=True):
+        masked = read_mask(frame.mask) if frame.mask else None
+        for path, image in zip(frame[2:], (depth, labels, masked), strict=True):
             if image is not None and image.shape != (height, width):
                 found = f"{image.shape[1]}x{image.shape[0]} pixels"
                 needed = (
-                    f"'{frame.color.name}' is {width}x{height} (or set crop in the camera's file)"
+                    f"'{frame.color.name}' is {width}x{height}; if it is a part of it, set crop"
                 )
                 raise InputError(f"'{path}' is {found}, but {needed}.")
-        return colors, depth, labels, painted
+        return colors, depth if masked is None else np.where(masked, 0.0, depth), labels
 
 
 def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDArray[np.float64]:

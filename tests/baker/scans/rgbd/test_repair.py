@@ -68,15 +68,14 @@ def test_noise_raises_the_tolerance() -> None:
     assert repair(depth, inside.astype(int))[1].sum() < 0.05 * inside.sum()
 
 
-def test_missing_and_painted_depth_are_filled_and_nothing_else() -> None:
+def test_unknown_depth_is_filled_and_nothing_else() -> None:
     inside = disc(40, 30, 20)
     depth = np.where(inside, arched(), GROUND)
-    missing, painted = disc(40, 30, 3), disc(44, 33, 4)
+    missing = disc(40, 30, 3) | disc(44, 33, 4)
     depth[missing] = 0
-    depth[painted & ~missing] += 1.5  # below what counts as a jump
-    repaired, unknown = repair(depth, inside.astype(int), painted=painted)
+    repaired, unknown = repair(depth, inside.astype(int))
     np.testing.assert_allclose(repaired[inside], arched()[inside], atol=0.05)
-    np.testing.assert_array_equal(unknown, missing | painted)
+    np.testing.assert_array_equal(unknown, missing)
 
 
 def test_a_thin_stalk_keeps_its_depth() -> None:
