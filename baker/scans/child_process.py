@@ -10,11 +10,10 @@ import signal
 import sys
 from collections.abc import Callable
 from contextlib import AbstractContextManager, suppress
-from functools import partial
 from queue import SimpleQueue
 from subprocess import DEVNULL, PIPE, Popen, TimeoutExpired
 from threading import Lock, Thread
-from typing import Any, BinaryIO
+from typing import Any
 
 from gclip.terminal.interrupts import until_interrupted
 
@@ -64,9 +63,11 @@ class ChildProcess(AbstractContextManager):
             if self._process is None or self._process.poll() is not None:
                 path = f"sys.path[:] = {[*map(str, sys.path)]}"
                 program = f"import sys; {path}; from {__name__} import serve; serve()"
-                command, pipes = [sys.executable, "-c", program], {"stdin": PIPE, "stdout": PIPE}
+                command = [sys.executable, "-c", program]
                 # In a process group of its own, which a terminal's Ctrl-C does not reach.
-                self._process = Popen(command, **pipes, stderr=self._stderr, process_group=0)
+                self._process = Popen(
+                    command, stdin=PIPE, stdout=PIPE, stderr=self._stderr, process_group=0
+                )
             calls, results = self._process.stdin, self._process.stdout
             assert calls
             assert results
@@ -91,31 +92,30 @@ def serve() -> None:
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # libraries may print to stdout, which is the pipe of the results
     calls: SimpleQueue[bytes] = SimpleQueue()
-    Thread(target=_receive, args=[calls], daemon=True).start()
-    with suppress(KeyboardInterrupt, BrokenPipeError):
-        until_interrupted(partial(_call, calls, results))
-    os._exit(1)  # without waiting for threads that still calculate
 
+    def receive() -> None:
+        with suppress(EOFError):
+            while True:
+                calls.put(pickle.load(sys.stdin.buffer))
+        os.kill(os.getpid(), signal.SIGTERM)  # also while a function is called
 
-def _receive(calls: "SimpleQueue[bytes]") -> None:
-    with suppress(EOFError):
+    def call() -> None:
         while True:
-            calls.put(pickle.load(sys.stdin.buffer))
-    os.kill(os.getpid(), signal.SIGTERM)  # also while a function is called
+            memory, function, arguments = pickle.loads(calls.get())
+            # Windows has no `resource`; a limit above the user's own is refused.
+            with suppress(ImportError, ValueError):
+                import resource
 
+                _, hard_limit = resource.getrlimit(resource.RLIMIT_DATA)
+                resource.setrlimit(resource.RLIMIT_DATA, (memory, hard_limit))
+            try:
+                result = function(*arguments)
+            except Exception as error:
+                result = error
+            pickle.dump(result, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
+            results.flush()
 
-def _call(calls: "SimpleQueue[bytes]", results: BinaryIO) -> None:
-    while True:
-        memory, function, arguments = pickle.loads(calls.get())
-        # Windows has no `resource`; a limit above the user's own is refused.
-        with suppress(ImportError, ValueError):
-            import resource
-
-            _, hard_limit = resource.getrlimit(resource.RLIMIT_DATA)
-            resource.setrlimit(resource.RLIMIT_DATA, (memory, hard_limit))
-        try:
-            result = function(*arguments)
-        except Exception as error:
-            result = error
-        pickle.dump(result, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
-        results.flush()
+    Thread(target=receive, daemon=True).start()
+    with suppress(KeyboardInterrupt, BrokenPipeError):
+        until_interrupted(call)
+    os._exit(1)  # without waiting for threads that still calculate

@@ -19,24 +19,9 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[
     """Find the files of a series: those of one folder, in natural order, or a list of files.
 
     In a folder, hidden files, sub-folders, files of unknown suffix and texts such as README.txt are
-    ignored; so are meshes and arrays where there are two or more point clouds.
-
-    Parameters
-    ----------
-    inputs : sequence of Path
-        One folder, or two or more files.
-    times_file : Path, optional
-        A file that lists the scans and their times. Without it, the names in a folder must show
-        that its files are one series.
-
-    Returns
-    -------
-    tuple of Path, at least two
-
-    Raises
-    ------
-    InputError
-        If a path does not exist or is no scan, or there are fewer than two scans.
+    ignored; so are meshes and arrays where there are two or more point clouds. Without a file that
+    lists the scans and their times, the names in a folder must show that its files are one series.
+    Raises InputError if a path does not exist or is no scan, or there are fewer than two scans.
     """
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")
@@ -58,8 +43,7 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[
 def require_exists(path: Path) -> None:
     """Raise InputError unless the file or folder exists and may be accessed."""
     with input_errors(path):
-        if not path.exists():
-            raise InputError(f"'{path}': there is no such file or folder.")
+        path.stat()
 
 
 def holds_scans(folder: Path) -> bool:
@@ -86,11 +70,10 @@ def _find_in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
 
 
 def _require_file(path: Path) -> None:
+    require_exists(path)  # a link may refer to a file that is not there
     if not path.is_file():
-        kind = "a link to a file that is not there" if path.is_symlink() else "not a regular file"
-        if path.is_dir():
-            kind = "a folder: give one folder alone, or only the files of the scans"
-        raise InputError(f"'{path}' is {kind}.")
+        kind = "a folder" if path.is_dir() else "not a regular file"
+        raise InputError(f"'{path}' is {kind}; give one folder alone, or only files of scans.")
 
 
 def _describe(folder: Path, entries: Sequence[Path], scans: Sequence[Path]) -> str:

@@ -9,16 +9,8 @@ from pathlib import Path
 from baker.errors import InputError, excerpt, input_errors
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
 from baker.options import Options
+from baker.scans import cleaning
 from baker.scans.child_process import ChildProcess
-from baker.scans.cleaning import (
-    downsample,
-    drop_duplicates,
-    drop_non_finite,
-    drop_outliers,
-    relative_to,
-    resampled,
-    shared_origin,
-)
 from baker.scans.fields import choose_fields
 from baker.scans.find import find_scans
 from baker.scans.formats import read_columns
@@ -70,8 +62,8 @@ def read_series(
         map = reporting(map, report_progress, len(series.scans))
     with ChildProcess() as child:
         scans = list(map(partial(listing.read, options=options, child=child), series.scans))
-    shared = shared_origin(scans[0].points)
-    scans = list(map(drop_duplicates, map(partial(relative_to, shared), scans)))
+    shared = cleaning.shared_origin(scans[0].points)
+    scans = list(map(cleaning.drop_duplicates, map(partial(cleaning.relative_to, shared), scans)))
     keep_ground, is_asked = options.ground == "keep", options.label_field is not None
     are_needed = options.labels in ("consistent", "independent")
     scans, field, words, labels = choose_labels(scans, is_asked, are_needed, map)
@@ -97,10 +89,10 @@ def _downsampled(scan: Scan, options: Options) -> Scan:
     """Remove outliers and down-sample, as the options say; drop the fields that aren't needed."""
     scan = replace(scan, fields={})
     if options.outliers is not None:
-        scan = drop_outliers(scan, options.outliers)
+        scan = cleaning.drop_outliers(scan, options.outliers)
     if options.voxel is not None:
-        scan = downsample(scan, options.voxel)
-    return scan if options.resample is None else resampled(scan, options.resample)
+        scan = cleaning.downsample(scan, options.voxel)
+    return scan if options.resample is None else cleaning.resampled(scan, options.resample)
 
 
 @dataclass(frozen=True)
@@ -129,8 +121,8 @@ class Listing:
 
         content = _read_unchanged(self.files(scan), read)
         points = content.points * options.scale
-        timed = {"name": scan.name, "time": scan.time, "date": scan.date}
-        return drop_non_finite(replace(content, points=points, **timed))
+        timed = replace(content, points=points, name=scan.name, time=scan.time, date=scan.date)
+        return cleaning.drop_non_finite(timed)
 
 
 def list_series(
@@ -143,8 +135,9 @@ def list_series(
     camera, file = find_camera(inputs[0]) if len(inputs) == 1 else None, options.times
     if camera:
         images = ImageSeries(camera, file)
-        root = "virtual" if images.has_labels and options.labels != "ignore" else None
-        series = replace(images.series, fixed=True, length="mm", root=root)
+        series = replace(images.series, fixed=True, length="mm")
+        if images.has_labels and options.labels != "ignore":
+            series = replace(series, root="virtual")
         if options.label_field is not None:
             reason = "holds images, whose labels are images too, not a field"
             raise InputError(f"'{inputs[0]}' {reason}: leave out --label-field.")

@@ -35,36 +35,34 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     values = _split(rows[0], delimiter)
     width = len(values)
     header, count = _read_head(lines[:start], delimiter, width, bool(asked))
-    # Some scans of a series may have no column of labels.
-    names = _column_names([*asked[:width]] or header, width, first_line)
+    header = [*asked[:width]] or header  # some scans of a series may have no column of labels
+    names = _column_names(header, width, first_line)
     used = [i for i, name in enumerate(names) if name not in SKIPPED]
     numbers = [i for i in used if _is_number(values[i])]
     words = [i for i in used if _is_word(values[i]) and label_rank(names[i]) is not None]
     unread = [names[i] for i in used if i not in numbers + words]
-    has_names = bool(asked or header)
-    if unread and not (has_names and {*"xyzXYZ"}.isdisjoint(unread)):
+    if unread and not (header and {*"xyzXYZ"}.isdisjoint(unread)):
         raise _not_a_number(values, first_line, f"; {HINT}")
 
     load: Any = partial(np.loadtxt, rows, delimiter=delimiter, quotechar='"', ndmin=2)
     # A delimiter at the end of a row makes an empty column, which `usecols` leaves out.
-    is_part = len(numbers) < width or rows[0].rstrip().endswith(delimiter or "\n")
+    is_all = len(numbers) == len(rows[0].split(delimiter))
     try:
-        table = load(usecols=numbers if is_part else None)
+        table = load(usecols=None if is_all else numbers)
     except ValueError:
         _raise_fault(rows, first_line, delimiter, names, numbers)
         raise
     if count is not None:
         require_count(count, len(table), "rows")
     notes: tuple[str, ...] = ()
-    if not has_names:
+    if not header:
         if width > 3 and len(table) > MIN_COUNTED and (np.diff(table[:, 0]) == 1).all():
             raise FormatError(f"has a first column that counts the rows; {HINT}.")
         for i, name in zip(numbers, usual_names(table, is_leica=count is not None), strict=False):
             names[i] = name
         notes = (f"no header line: columns taken as {' '.join(names)}.",)
     elif unread:
-        listed = excerpt(", ".join(unread))
-        notes = (f"columns passed over, as they hold no numbers: {listed}.",)
+        notes = (f"columns passed over, as they hold no numbers: {excerpt(', '.join(unread))}.",)
     columns = {names[i]: column for i, column in zip(numbers, table.T, strict=True)}
     if words:
         texts = np.char.strip(load(dtype=str, usecols=words)).T
@@ -133,9 +131,9 @@ def _read_head(
 
 def _column_names(header: Sequence[str] | None, width: int, line: int) -> list[str]:
     """The names of the columns of a table, whose first row, in this line, has `width` values."""
+    if not header and width in USUAL_WIDTHS:
+        return [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
     if not header:
-        if width in USUAL_WIDTHS:
-            return [*"xyz", *(f"column {i + 1}" for i in range(3, width))]
         reason = f"{width} columns without a header line, of which 3 to 12 are understood"
         raise FormatError(f"{reason}; {HINT}.", line)
     if len(header) != width:

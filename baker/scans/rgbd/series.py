@@ -39,12 +39,12 @@ def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
     found: dict[str, dict[str, Path]] = {}
     for kind, pattern in asdict(patterns).items():
         before, _, after = Path(pattern).name.partition("*")
-        files = (path for path in folder.glob(pattern) if path.is_file())
+        files = filter(Path.is_file, folder.glob(pattern))
         found[kind] = {p.name.removeprefix(before).removesuffix(after): p for p in files}
     colors, depths, labels, masks = found.values()
     if len(colors) < 2:
-        images = f"{len(colors) or 'no'} colour image{'s' * (len(colors) != 1)}"
-        raise InputError(f"'{folder}' holds {images} '{patterns.color}'; growth needs two.")
+        images = f"fewer than two colour images '{patterns.color}'"
+        raise InputError(f"'{folder}' holds {images}; growth needs two.")
     names = sorted(colors, key=natural_key)
     for kind in ("depth", "label") if labels else ("depth",):
         if lacking := [name for name in names if name not in found[kind]]:

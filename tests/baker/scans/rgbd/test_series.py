@@ -246,8 +246,8 @@ SMOOTH = np.random.default_rng(0).integers(0, 256, (*SIZE, 3)).astype(np.uint8)
     ("how", "said"),
     [
         ({"camera": None}, "holds images, but no camera.toml .* needs at least fx, fy, cx and cy"),
-        ({"names": ("000_00",)}, "holds 1 colour image "),
-        ({"without": "rgb_*.png"}, r"holds no colour images 'rgb_\*.png'"),
+        ({"names": ("000_00",)}, "holds fewer than two colour images"),
+        ({"without": "rgb_*.png"}, r"holds fewer than two colour images 'rgb_\*.png'"),
         ({"without": "depth_000_03.png"}, "no depth image; 'depth_000_03.png' is missing"),
         ({"without": "depth_*.png"}, "no depth image; 'depth_000_00.png' is missing"),
         ({"without": "label_000_03.png"}, "no label image; 'label_000_03.png' is missing"),

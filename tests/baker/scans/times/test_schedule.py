@@ -256,7 +256,7 @@ def test_folders_without_a_series(make_folder, tmp_path):
         names_in(make_folder({"sub/day1.ply": ""}, "below"))
     with pytest.raises(InputError, match=r"only one scan, 'day1\.ply'.* bake .*/\*/day1\.ply"):
         names_in(make_folder({"day1.ply": ""}, "one"))
-    with pytest.raises(InputError, match="no such file or folder"):
+    with pytest.raises(InputError, match="No such file or directory"):
         names_in(tmp_path / "absent")
 
 
@@ -269,7 +269,7 @@ def test_lists_that_are_no_series(make_folder):
         ([a, folder], "is a folder"),
         ([a, folder / "d.ply"], r"d\.ply' is a folder"),
         ([a, folder / "c.step"], r"unknown suffix '\.step'"),
-        ([a, folder / "x.ply"], "no such file"),
+        ([a, folder / "x.ply"], "No such file"),
         ([a, b, folder / "." / "a.ply"], "given twice"),
     ):
         with pytest.raises(InputError, match=fault):
