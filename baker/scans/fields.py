@@ -43,7 +43,7 @@ def choose_fields(
         raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {found}.")
     used = [by_name[axis] for axis in "xyz"]
     points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
-    note = f"positions from {_quoted(used)}"
+    note = f"positions from {excerpt(', '.join(used))}"
 
     scalars = {}
     for name in carried:
@@ -63,7 +63,7 @@ def choose_fields(
     if color_names := next((names for names in COLOR_NAMES if set(names) <= set(by_name)), None):
         used = [by_name[name] for name in color_names]
         colors, scale = to_srgb([columns.values[name] for name in used])
-        note += f"; colours from {_quoted(used)} ({scale})"
+        note += f"; colours from {excerpt(', '.join(used))} ({scale})"
     fields = {name: columns.values[name] for name in labels}
     return Scan(points, None, colors, (*columns.notes, f"{note}."), fields, scalars, path)
 
@@ -93,7 +93,3 @@ def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]
         return np.rint(values).astype(np.uint8), "8-bit"
     # The high byte is right for 8-bit values scaled by 257 and, as in LAS, by 256.
     return (values / 256).astype(np.uint8), "16-bit"
-
-
-def _quoted(names: Sequence[str]) -> str:
-    return ", ".join(f"'{excerpt(name)}'" for name in names)

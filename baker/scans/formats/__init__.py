@@ -1,7 +1,7 @@
 """Readers of scan files: one module for each format, listed in `READERS`.
 
-To add a format, write a module here with a function ``read(path: Path) -> Columns`` that raises
-`FormatError` for a damaged file, and add it to `READERS`. A file in any format may be gzipped.
+Each has a function ``read(path: Path) -> Columns`` that raises `FormatError` for a damaged file. A
+file in any format may be gzipped.
 """
 
 import gzip

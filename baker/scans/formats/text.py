@@ -18,7 +18,6 @@ LONGEST_LINE = 1 << 17
 COMMENT = ("#", "//")
 DELIMITERS = (";", "\t", ",", None)  # the last one is any white space
 SKIPPED = ("-", "_")  # names of columns that are not used
-MIN_COUNTED = 9  # in so few rows, a column may count the rows by chance
 USUAL_WIDTHS = range(3, 13)  # numbers of columns that are understood without a header
 HINT = "say what the columns are, as in --columns label,x,y,z,- (- is not used)"
 
@@ -34,7 +33,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     rows, first_line = lines[start:], start + 1
     values = _split(rows[0], delimiter)
     width = len(values)
-    header, count = _read_head(lines[:start], delimiter, width, bool(asked))
+    header, count = _read_head(lines[:start], delimiter, width)
     header = [*asked[:width]] or header  # some scans of a series may have no column of labels
     names = _column_names(header, width, first_line)
     used = [i for i, name in enumerate(names) if name not in SKIPPED]
@@ -56,8 +55,6 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
         require_count(count, len(table), "rows")
     notes: tuple[str, ...] = ()
     if not header:
-        if width > 3 and len(table) > MIN_COUNTED and (np.diff(table[:, 0]) == 1).all():
-            raise FormatError(f"has a first column that counts the rows; {HINT}.")
         for i, name in zip(numbers, usual_names(table, is_leica=count is not None), strict=False):
             names[i] = name
         notes = (f"no header line: columns taken as {' '.join(names)}.",)
@@ -112,20 +109,18 @@ def _find_rows(lines: Sequence[str]) -> tuple[int, str | None]:
 
 
 def _read_head(
-    lines: Sequence[str], delimiter: str | None, width: int, is_asked: bool
+    lines: Sequence[str], delimiter: str | None, width: int
 ) -> tuple[list[str] | None, int | None]:
     """Read what stands before the rows: names of the columns, and their number, or None each."""
     header, count = None, None
-    for number, line in enumerate(map(str.strip, lines), 1):
-        is_comment = not line or line.startswith(COMMENT)
-        splits = (_split(line.lstrip("#/ \t"), each) for each in (delimiter, None, ","))
-        if names := next(filter(_has_xyz, splits), None):
-            header = names if len(names) == width or not is_comment else header
-        elif line.isdecimal():
+    for line in map(str.strip, lines):
+        if line.isdecimal():
             count = int(line[:18])
-        elif not is_comment and not is_asked:
-            hint = ", and a header has to name x, y and z (or --columns does)"
-            raise _not_a_number(_split(line, delimiter), number, hint)
+        elif line.startswith(COMMENT):
+            splits = (_split(line.lstrip("#/ \t"), each) for each in (delimiter, None, ","))
+            header = next((s for s in splits if len(s) == width and _has_xyz(s)), header)
+        elif line:
+            header = _split(line, delimiter)
     return header, count
 
 
@@ -152,9 +147,8 @@ def _raise_fault(
     for number, text in enumerate(rows, line):
         values = _split(text.partition("#")[0], delimiter)
         if values and len(values) != len(names):
-            found = f"{len(values)} value{'s' * (len(values) != 1)} found"
             expected = f"{len(names)} expected ({excerpt(' '.join(names))})"
-            raise FormatError(f"{found}, but {expected}.", number) from None
+            raise FormatError(f"{len(values)} values found, but {expected}.", number) from None
         if values and not all(_is_number(values[i]) for i in numbers):
             hint = ", but the first row has one there"
             raise _not_a_number([values[i] for i in numbers], number, hint) from None
