@@ -17,7 +17,7 @@ NUMBERS = "biuf"  # dtype kinds
 
 
 def read(path: Path) -> Columns:
-    """Read the columns of the arrays. Raises FormatError: damaged, or without points."""
+    """Read the columns of the arrays."""
     if path.suffix.lower() == ".npz":
         _require_sound_headers(path)
         with np.load(path, allow_pickle=False) as file:

@@ -13,10 +13,7 @@ MIN_POINT_BYTES = 1 / 8  # coordinates may be packed into single bits
 
 
 def read(path: Path) -> Columns:
-    """Read x, y, z in the file's frame and, if all scans have them, red, green, blue.
-
-    Raises FormatError: pye57 is not installed, or the file is damaged or holds no points.
-    """
+    """Read x, y, z in the file's frame and, if all scans have them, red, green, blue."""
     try:
         import pye57
     except ImportError:

@@ -12,10 +12,7 @@ MIN_RECORD_BYTES = 54  # of a variable length record without content
 
 
 def read(path: Path) -> Columns:
-    """Read x, y, z as scaled float64, and all other dimensions by their names in laspy.
-
-    Raises FormatError where laspy can't read the file, or it ends before its last point.
-    """
+    """Read x, y, z as scaled float64, and all other dimensions by their names in laspy."""
     import laspy
 
     _require_sound_header(path)

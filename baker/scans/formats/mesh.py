@@ -22,10 +22,7 @@ Mesh = tuple[NDArray, list[NDArray]]
 
 
 def read(path: Path) -> Columns:
-    """Sample x, y, z and, if the vertices are coloured, red, green, blue on the surface.
-
-    Raises FormatError: the file is damaged, or has no faces.
-    """
+    """Sample x, y, z and, if the vertices are coloured, red, green, blue on the surface."""
     readers = {".obj": _read_obj, ".off": _read_off}
     vertices, faces = readers.get(path.suffix.lower(), _read_by_open3d)(path)
     if not len(vertices) or not any(map(len, faces)):

@@ -19,10 +19,7 @@ LZF_RATIO = 88  # LZF turns at most 264 bytes into 3
 
 
 def read(path: Path) -> Columns:
-    """Read all fields but those that have several values for each point.
-
-    Raises FormatError: not PCD, a wrong header, or a body that does not match its header.
-    """
+    """Read all fields but those that have several values for each point."""
     content = path.read_bytes()
     end = re.search(rb"^[ \t]*DATA\b[^\n]*\n?", content, re.MULTILINE)
     if not end:

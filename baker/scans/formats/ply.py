@@ -26,10 +26,7 @@ Types = dict[str, tuple[str, str | None]]
 
 
 def read(path: Path) -> Columns:
-    """Read the vertices' properties, except for lists; of a mesh, sampled on its faces.
-
-    Raises FormatError: not PLY, no vertices, or a body that does not match the header.
-    """
+    """Read the vertices' properties, except for lists; of a mesh, sampled on its faces."""
     content = path.read_bytes()
     header = re.match(HEADER, content, re.DOTALL)
     if not header:

@@ -26,7 +26,7 @@ def read_depth(path: Path, unit: float) -> NDArray[np.float64]:
 def read_labels(path: Path) -> NDArray[np.int64]:
     """Read labels (H, W): the value of a grey or palette pixel, 0xRRGGBB of a coloured one.
 
-    Transparent pixels are 0. Raises InputError, also for more than `MAX_LABELS` colours.
+    Transparent pixels are 0. Raises InputError for more than `MAX_LABELS` colours.
     """
     labels = _numbers(read_pixels(path, "I.*|1|L|P", "RGBA"))
     if (distinct := len(np.unique(labels))) > MAX_LABELS:
@@ -49,10 +49,7 @@ def _numbers(pixels: NDArray) -> NDArray[np.int64]:
 
 
 def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
-    """Read an image's pixels, converted to the Pillow mode `other` unless its mode matches `kept`.
-
-    Raises InputError if the image can't be read.
-    """
+    """Read an image's pixels, converted to the mode `other` unless its mode matches `kept`."""
     from PIL import Image
 
     # From memory, so that Pillow can't allocate the size that a damaged chunk announces.

@@ -32,10 +32,7 @@ class Frame(NamedTuple):
 
 
 def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
-    """Find the frames of a folder, one for each colour image, in the natural order of their names.
-
-    Raises InputError: fewer than two frames, one without depth, or labels for some frames only.
-    """
+    """Find the frames of a folder, one for each colour image, in natural order of their names."""
     found: dict[str, dict[str, Path]] = {}
     for kind, pattern in asdict(patterns).items():
         before, _, after = Path(pattern).name.partition("*")
@@ -60,8 +57,6 @@ def schedule_frames(
 
     A name of two numbers is a day and a slot of that day (000_05); a third number in front is the
     plant's (00_000_05). Slots are numbered from 0 to ``per_day - 1``.
-
-    Raises InputError: a slot that is `per_day` or more, or two frames at one time.
     """
     paths = [frame.color for frame in frames]
     slots = [slot for frame in frames if (slot := _SLOT.fullmatch(frame.name))]
@@ -82,10 +77,7 @@ def schedule_frames(
 
 
 class ImageSeries:
-    """The frames of one folder, found by name; their pixels are read one frame at a time.
-
-    Creating it and reading raise InputError.
-    """
+    """The frames of one folder, found by name; their pixels are read one frame at a time."""
 
     def __init__(self, camera_file: Path, times_file: Path | None = None) -> None:
         self.camera_file = camera_file
