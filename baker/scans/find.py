@@ -72,8 +72,7 @@ def _find_in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
 def _require_file(path: Path) -> None:
     require_exists(path)  # a link may refer to a file that is not there
     if not path.is_file():
-        kind = "a folder" if path.is_dir() else "not a regular file"
-        raise InputError(f"'{path}' is {kind}; give one folder alone, or only files of scans.")
+        raise InputError(f"'{path}' is {'a folder, ' * path.is_dir()}not a regular file.")
 
 
 def _describe(folder: Path, entries: Sequence[Path], scans: Sequence[Path]) -> str:

@@ -1,7 +1,7 @@
 """Read the scans of one plant from files, clean them, and order them by time."""
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -108,21 +108,25 @@ class Listing:
 
     def read(self, scan: Scan, options: Options, child: ChildProcess | None = None) -> Scan:
         """Read a scan from its files and remove points without finite coordinates."""
+        paths = self.files(scan)
+        sha256 = digest(paths)
+        try:
+            with input_errors(scan.path):
+                read = self._read(scan.path, options, child)
+        finally:  # also after an error, of which the change may be the cause
+            if digest(paths) != sha256:
+                hint = "bake again when it is complete"
+                raise InputError(f"'{scan.path}' changed while it was read; {hint}.") from None
+        scan = replace(read, name=scan.name, time=scan.time, date=scan.date, sha256=sha256)
+        return cleaning.drop_non_finite(replace(scan, points=scan.points * options.scale))
+
+    def _read(self, path: Path, options: Options, child: ChildProcess | None) -> Scan:
         use_labels = options.labels != "ignore" or bool(options.drop_label)
-        names, carried = (
-            [*filter(None, listed.split(","))] for listed in (options.columns, options.fields)
-        )
-
-        def read() -> Scan:
-            if self.images:
-                return self.images.read(scan.path, use_labels)
-            columns = read_columns(scan.path, names, child)
-            return choose_fields(columns, scan.path, options.label_field, use_labels, carried)
-
-        content = _read_unchanged(self.files(scan), read)
-        points = content.points * options.scale
-        timed = replace(content, points=points, name=scan.name, time=scan.time, date=scan.date)
-        return cleaning.drop_non_finite(timed)
+        if self.images:
+            return self.images.read(path, use_labels)
+        names, carried = ([*filter(None, o.split(","))] for o in (options.columns, options.fields))
+        columns = read_columns(path, names, child)
+        return choose_fields(columns, path, options.label_field, use_labels, carried)
 
 
 def list_series(
@@ -162,15 +166,3 @@ def digest(paths: Sequence[Path]) -> str:
         with input_errors(path), path.open("rb") as file:
             hashlib.file_digest(file, lambda: sha256)
     return sha256.hexdigest()
-
-
-def _read_unchanged(paths: Sequence[Path], read: Callable[[], Scan]) -> Scan:
-    """Read a scan from these files. Raises InputError also where they change meanwhile."""
-    sha256 = digest(paths)
-    try:
-        with input_errors(paths[0]):
-            return replace(read(), sha256=sha256)
-    finally:  # also after an error, of which the change may be the cause
-        if digest(paths) != sha256:
-            changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."
-            raise InputError(changed) from None
