@@ -80,14 +80,14 @@ def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]
     Floats of at most 1 are taken as 0-1, other numbers of at most 255 as 8-bit, of at most 65535 as
     16-bit. None where a value is larger, negative or not finite.
     """
-    is_integer = all(channel.dtype.kind in "iu" for channel in channels)
-    if all(channel.dtype == np.uint8 for channel in channels):
-        return np.stack(channels, axis=1), "8-bit"
-    values = np.stack([channel.astype(np.float64) for channel in channels], axis=1)
+    colors = np.stack(channels, axis=1)
+    if colors.dtype == np.uint8:
+        return colors, "8-bit"
+    values = colors.astype(np.float64)
     low, high = (values.min(), values.max()) if values.size else (0.0, 0.0)
     if not (np.isfinite(values).all() and low >= 0 and high <= 65535):
         return None, f"left out: values from {low:g} to {high:g} are no colours"
-    if high <= 1 and not is_integer:
+    if high <= 1 and colors.dtype.kind == "f":
         return np.rint(values * 255).astype(np.uint8), "0–1"
     if high <= 255:
         return np.rint(values).astype(np.uint8), "8-bit"

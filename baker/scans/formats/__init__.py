@@ -61,9 +61,9 @@ class FormatError(Exception):
 
 
 def require_room(count: int, size: float, room: int) -> None:
-    """Raise FormatError unless `room` bytes can hold `count` points of at least `size` bytes each.
+    """Raise FormatError unless `room` bytes hold `count` points of at least `size` bytes each.
 
-    A reader calls it before it allocates memory for the points that a header announces.
+    To be called before memory is allocated for the points that a header announces.
     """
     if count <= 0:
         raise FormatError("holds no points.")

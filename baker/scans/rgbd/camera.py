@@ -1,4 +1,4 @@
-"""Read the camera file of a folder of images: intrinsics, file names and options of the repair.
+"""Read the camera file of a folder of images: intrinsics and file names.
 
 It is `camera.toml` or `camera.json`; docs/images.md says what each field means. The centre of the
 upper left pixel is (0, 0).
@@ -21,7 +21,6 @@ PATTERN = r"(?![/\\]|(.*[/\\])?\.\.([/\\]|$))[^*?\[\]:]*\*[^*?\[\]:/\\]*"
 Number = Annotated[float, Meta(ge=-1e9, le=1e9)]
 Positive = Annotated[float, Meta(ge=1e-9, le=1e9)]
 Count = Annotated[int, Meta(ge=1, le=10**9)]
-Border = Annotated[int, Meta(ge=0, le=100)]
 Coordinate = Annotated[int, Meta(ge=0, le=10**9)]
 Label = Annotated[int, Meta(ge=-(10**9), le=10**9)]
 
@@ -41,17 +40,6 @@ class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
                 raise ValueError(f"Expected as {name} {needed}")
 
 
-class RepairOptions(Struct, frozen=True, forbid_unknown_fields=True):
-    """Options of `baker.scans.rgbd.depth_repair`.
-
-    band: pixels along the border of a label that are searched for jumps; 0 for no search.
-    jump: mm from the label's surface that are a jump, if they are more than the noise.
-    """
-
-    band: Border = 6
-    jump: Positive = 2.0
-
-
 class Camera(Struct, frozen=True, forbid_unknown_fields=True):
     """A pinhole camera and its images, in pixels of the depth images, and mm."""
 
@@ -67,7 +55,6 @@ class Camera(Struct, frozen=True, forbid_unknown_fields=True):
     background: Label = 0  # a number of `baker.scans.rgbd.images.read_labels`
     per_day: Count = 6
     images: Patterns = Patterns()
-    repair: RepairOptions = RepairOptions()
 
 
 def find_camera(folder: Path) -> Path | None:

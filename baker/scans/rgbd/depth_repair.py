@@ -11,18 +11,14 @@ Normalized and Differential Convolution, CVPR 1993).
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.scans.rgbd.camera import RepairOptions
-
-NOISE_SIGMAS = 3.0  # least height of a jump in standard deviations of the noise
+BAND = 6  # pixels along a label's border that are searched for jumps
+MIN_JUMP, NOISE_SIGMAS = 2.0, 3.0  # mm, and standard deviations of the noise, of a jump
 USUAL_NOISE = 0.1  # mm, scale of the robust loss of the surface's fit
 SIGMA, REACH = 2.0, 12  # pixels, of the diffusion's Gaussian kernel, and where it ends
 
 
 def repair(
-    depth: NDArray[np.float64],
-    labels: NDArray[np.integer],
-    background: int = 0,
-    options: RepairOptions | None = None,
+    depth: NDArray[np.float64], labels: NDArray[np.integer], background: int = 0
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
@@ -31,10 +27,9 @@ def repair(
     """
     from scipy.ndimage import binary_dilation, find_objects, maximum_filter, minimum_filter
 
-    options = options or RepairOptions()
     plant = labels != background
     valid = plant & (depth > 0)
-    size = 2 * options.band + 1
+    size = 2 * BAND + 1
     in_band = maximum_filter(labels, size) != minimum_filter(labels, size)
     repaired = np.zeros(labels.shape)
     number = np.unique(labels, return_inverse=True)[1].reshape(labels.shape)
@@ -46,7 +41,7 @@ def repair(
         surface = _polynomial_surface(depth[box], known)
         deviation = depth[box] - surface
         noise = 1.4826 * np.median(np.abs(deviation[known]))
-        is_far = np.abs(deviation) > max(options.jump, NOISE_SIGMAS * noise)
+        is_far = np.abs(deviation) > max(MIN_JUMP, NOISE_SIGMAS * noise)
         border = known & in_band[box]
         known &= ~(border & is_far)
         # Pixels next to unknown depth are likely a mixture of both sides.

@@ -98,7 +98,7 @@ class ImageSeries:
         colors, depth, labels = self._images(frame)
         notes = []
         if labels is not None:
-            depth, unknown = repair(depth, labels, camera.background, camera.repair)
+            depth, unknown = repair(depth, labels, camera.background)
             plant = labels != camera.background
             lost = (plant & (depth == 0)).sum()
             notes.append(
