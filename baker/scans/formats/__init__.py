@@ -34,7 +34,6 @@ READERS = {
 NATIVE = {"las", "e57", "mesh"}  # modules whose libraries may crash on a damaged file
 
 KNOWN = f"{', '.join(READERS)}, and any of these gzipped (.ply.gz)"
-GZIP = ".gz"
 # A file may unpack to at most UNPACKED_BYTES + BYTES_PER_BYTE times its size; native code may use
 # at most NATIVE_BYTES + BYTES_PER_BYTE times its size of memory.
 BYTES_PER_BYTE = 100
@@ -88,7 +87,7 @@ def require_no_bomb(path: Path, size: int) -> None:
 def suffix_of(path: Path) -> str:
     """The suffix that names the format: in lower case, without a final ".gz"."""
     suffix = path.suffix.lower()
-    return Path(path.stem).suffix.lower() if suffix == GZIP else suffix
+    return Path(path.stem).suffix.lower() if suffix == ".gz" else suffix
 
 
 def require_known(path: Path) -> None:
@@ -147,7 +146,7 @@ def _read(reader: str, path: Path, names: Sequence[str], child: ChildProcess | N
 @contextmanager
 def _unpacked(path: Path) -> Iterator[Path]:
     """The file itself or, if it is gzipped, a temporary file with its content."""
-    if path.suffix.lower() != GZIP:
+    if path.suffix.lower() != ".gz":
         yield path
         return
     with TemporaryDirectory(prefix="bake-") as folder:

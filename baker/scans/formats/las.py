@@ -26,11 +26,7 @@ def read(path: Path) -> Columns:
         chunks = list(file.chunk_iterator(max(1, CHUNK_BYTES // form.size)))
         require_count(header.point_count, sum(map(len, chunks)))
         names = ["x", "y", "z", *(name for name in form.dimension_names if name not in [*"XYZ"])]
-        with np.errstate(all="ignore"):  # a wrong scale may give coordinates that aren't finite
-            columns = {
-                name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
-                for name in names
-            }
+        columns = {n: np.concatenate([np.asarray(chunk[n]) for chunk in chunks]) for n in names}
     colors = {"red", "green", "blue"}  # are all 0 in many files, where no colours were measured
     unused = set() if any(columns[name].any() for name in colors & set(columns)) else colors
     unused |= {name for name, values in columns.items() if values.ndim > 1}
