@@ -8,6 +8,8 @@ the valid pixels, which are never changed themselves (H. Knutsson, C.-F. Westin,
 Normalized and Differential Convolution, CVPR 1993).
 """
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,15 +27,16 @@ def repair(
     All images are (H, W). `depth` is in mm, 0 where it is unknown. Returns the depth, 0 outside of
     labels and where it could not be filled, and where in a label it was unknown.
     """
-    from scipy.ndimage import binary_dilation, find_objects, maximum_filter, minimum_filter
+    from scipy import ndimage
 
+    diffuse = partial(ndimage.gaussian_filter, sigma=SIGMA, mode="constant", radius=REACH)
     plant = labels != background
     valid = plant & (depth > 0)
     size = 2 * BAND + 1
-    in_band = maximum_filter(labels, size) != minimum_filter(labels, size)
+    in_band = ndimage.maximum_filter(labels, size) != ndimage.minimum_filter(labels, size)
     repaired = np.zeros(labels.shape)
     number = np.unique(labels, return_inverse=True)[1].reshape(labels.shape)
-    for k, box in enumerate(find_objects(number + 1)):
+    for k, box in enumerate(ndimage.find_objects(number + 1)):
         inside = plant[box] & (number[box] == k)
         known = inside & valid[box]
         if not known.any():
@@ -45,9 +48,9 @@ def repair(
         border = known & in_band[box]
         known &= ~(border & is_far)
         # Pixels next to unknown depth are likely a mixture of both sides.
-        known &= ~(border & binary_dilation(inside & ~known, np.ones((3, 3))))
+        known &= ~(border & ndimage.binary_dilation(inside & ~known, np.ones((3, 3))))
         valid[box][inside] = known[inside]
-        weight, total = _diffuse(known), _diffuse(np.where(known, deviation, 0.0))
+        weight, total = diffuse(known.astype(float)), diffuse(np.where(known, deviation, 0.0))
         # 0 where no valid depth is in reach, or the filled depth would be behind the camera.
         mean = np.divide(total, weight, out=-surface, where=weight > 0)
         filled = np.where(known, depth[box], np.maximum(surface + mean, 0.0))
@@ -71,9 +74,3 @@ def _polynomial_surface(
     robust = {"loss": "cauchy", "f_scale": USUAL_NOISE}
     fit = least_squares(lambda c: rows @ c - values, start, lambda c: rows, **robust)
     return np.asarray(terms @ fit.x)
-
-
-def _diffuse(values: NDArray) -> NDArray[np.float64]:
-    from scipy.ndimage import gaussian_filter
-
-    return gaussian_filter(values.astype(float), SIGMA, mode="constant", radius=REACH)
