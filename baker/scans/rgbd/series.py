@@ -59,19 +59,16 @@ def schedule_frames(
     plant's (00_000_05). Slots are numbered from 0 to ``per_day - 1``.
     """
     paths = [frame.color for frame in frames]
-    slots = [slot for frame in frames if (slot := _SLOT.fullmatch(frame.name))]
+    found = [slot for frame in frames if (slot := _SLOT.fullmatch(frame.name))]
+    slots = [(int(slot["day"]), int(slot["slot"])) for slot in found]
     if times_file is not None or len(slots) < len(frames):
         return schedule_scans(paths, times_file, from_folder=True)
-
-    moments = []
-    for path, slot in zip(paths, slots, strict=True):
-        day, number = int(slot["day"]), int(slot["slot"])
-        if number >= per_day:
-            hint = "set per_day in the camera's file (24 where the number is the hour)"
-            found = f"is number {number} of its day, but a day has {per_day} images from 0 on"
-            raise InputError(f"'{path}' {found}; {hint}.")
-        time = day + number / per_day
-        moments.append(Moment(time, f"day {time:.2f}"))
+    last, path = max((number, path) for (_, number), path in zip(slots, paths, strict=True))
+    if last >= per_day:
+        hint = "set per_day in the camera's file (24 where the number is the hour)"
+        raise InputError(f"'{path}' is number {last} of its day, of {per_day} from 0 on; {hint}.")
+    times = [day + number / per_day for day, number in slots]
+    moments = [Moment(time, f"day {time:.2f}") for time in times]
     rule = f"from day and number in the names, {per_day} images a day"
     return schedule_in_time(paths, [path.name for path in paths], moments, rule)
 

@@ -268,7 +268,7 @@ SMOOTH = np.random.default_rng(0).integers(0, 256, (*SIZE, 3)).astype(np.uint8)
             {"camera": CAMERA + "width = 99\n"},
             "is 40x30 pixels, not of the width and height in '.*camera.toml'",
         ),
-        ({"names": ("000_00", "000_06")}, "is number 6 of its day, but a day has 6 images"),
+        ({"names": ("000_00", "000_06")}, "is number 6 of its day, of 6 from 0 on; set per_day"),
         ({"names": ("00_000_00", "01_000_00")}, "have the same time, day 0.00"),
         ({"names": ("000_00", "00_00")}, "have the same time, day 0.00"),
         (
