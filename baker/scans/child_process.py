@@ -9,12 +9,11 @@ import pickle
 import signal
 import sys
 from collections.abc import Callable
-from contextlib import suppress
-from functools import partial
+from contextlib import AbstractContextManager, suppress
 from queue import SimpleQueue
 from subprocess import DEVNULL, PIPE, Popen, TimeoutExpired
 from threading import Lock, Thread
-from typing import Any, BinaryIO, Self
+from typing import Any
 
 from gclip.terminal.interrupts import until_interrupted
 
@@ -23,7 +22,7 @@ class ChildEnded(Exception):
     """The child process ended, or ran out of memory, before the function returned."""
 
 
-class ChildProcess:
+class ChildProcess(AbstractContextManager):
     """A child process that calls functions, one after the other.
 
     It is started by the first call, and started again by the first call after a crash. It ends when
@@ -37,9 +36,6 @@ class ChildProcess:
         self._process: Popen[bytes] | None = None
         self._is_stopped = False
         self._lock = Lock()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.stop()
@@ -96,35 +92,30 @@ def serve() -> None:
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # libraries may print to stdout, which is the pipe of the results
     calls: SimpleQueue[bytes] = SimpleQueue()
-    Thread(target=_receive, args=[calls], daemon=True).start()
-    with suppress(KeyboardInterrupt, BrokenPipeError):
-        until_interrupted(partial(_call, calls, results))
-    os._exit(1)  # without waiting for threads that still calculate
 
+    def receive() -> None:
+        with suppress(EOFError):
+            while True:
+                calls.put(pickle.load(sys.stdin.buffer))
+        os.kill(os.getpid(), signal.SIGTERM)  # also while a function is called
 
-def _receive(calls: "SimpleQueue[bytes]") -> None:
-    with suppress(EOFError):
+    def call() -> None:
         while True:
-            calls.put(pickle.load(sys.stdin.buffer))
-    os.kill(os.getpid(), signal.SIGTERM)  # also while a function is called
+            memory, function, arguments = pickle.loads(calls.get())
+            # Windows has no `resource`; a limit above the user's own is refused.
+            with suppress(ImportError, ValueError):
+                import resource
 
+                _, hard_limit = resource.getrlimit(resource.RLIMIT_DATA)
+                resource.setrlimit(resource.RLIMIT_DATA, (memory, hard_limit))
+            try:
+                result = function(*arguments)
+            except Exception as error:
+                result = error
+            pickle.dump(result, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
+            results.flush()
 
-def _call(calls: "SimpleQueue[bytes]", results: BinaryIO) -> None:
-    while True:
-        memory, function, arguments = pickle.loads(calls.get())
-        _limit_memory(memory)
-        try:
-            result = function(*arguments)
-        except Exception as error:
-            result = error
-        pickle.dump(result, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
-        results.flush()
-
-
-def _limit_memory(memory: int) -> None:
-    # Windows has no `resource`; a limit above the user's own is refused.
-    with suppress(ImportError, ValueError):
-        import resource
-
-        _, hard_limit = resource.getrlimit(resource.RLIMIT_DATA)
-        resource.setrlimit(resource.RLIMIT_DATA, (memory, hard_limit))
+    Thread(target=receive, daemon=True).start()
+    with suppress(KeyboardInterrupt, BrokenPipeError):
+        until_interrupted(call)
+    os._exit(1)  # without waiting for threads that still calculate

@@ -30,10 +30,9 @@ def choose_fields(
 ) -> Scan:
     """Make a scan from the fields of a file; its labels are chosen later, among its `fields`.
 
-    `path` is the file's, for messages. Only `label_field` may be labels or, by default, all fields
-    that look like labels; none if `use_labels` is False. The fields of `carried` become scalars of
-    the clip; those that are infinite, or too large for a float32, become NaN: no value. Colours
-    whose values are out of range are left out with a note. Raises InputError if x, y, z,
+    Only `label_field` may be labels or, by default, all fields that look like labels; none if
+    `use_labels` is False. The fields of `carried` become scalars of the clip; those that are
+    infinite, or too large for a float32, become NaN: no value. Raises InputError if x, y, z,
     `label_field` or a field of `carried` is missing.
     """
     by_name = {name.lower(): name for name in reversed(columns.values)}  # of equal names the first
@@ -44,7 +43,7 @@ def choose_fields(
         raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {found}.")
     used = [by_name[axis] for axis in "xyz"]
     points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
-    notes = [f"positions from {_quoted(used)}"]
+    note = f"positions from {excerpt(', '.join(used))}"
 
     scalars = {}
     for name in carried:
@@ -61,15 +60,12 @@ def choose_fields(
         labels = [n for n in rest if label_rank(n) is not None or _may_be_labels(rest[n])]
 
     colors = None
-    color_names = next((names for names in COLOR_NAMES if set(names) <= set(by_name)), ())
-    if color_names:
+    if color_names := next((names for names in COLOR_NAMES if set(names) <= set(by_name)), None):
         used = [by_name[name] for name in color_names]
         colors, scale = to_srgb([columns.values[name] for name in used])
-        notes.append(f"colours from {_quoted(used)} ({scale})")
-
-    notes = [*columns.notes, "; ".join(notes) + "."]
+        note += f"; colours from {excerpt(', '.join(used))} ({scale})"
     fields = {name: columns.values[name] for name in labels}
-    return Scan(points, None, colors, tuple(notes), fields, scalars, path)
+    return Scan(points, None, colors, (*columns.notes, f"{note}."), fields, scalars, path)
 
 
 def _may_be_labels(values: NDArray) -> bool:
@@ -84,20 +80,16 @@ def to_srgb(channels: Sequence[NDArray]) -> tuple[NDArray[np.uint8] | None, str]
     Floats of at most 1 are taken as 0-1, other numbers of at most 255 as 8-bit, of at most 65535 as
     16-bit. None where a value is larger, negative or not finite.
     """
-    is_integer = all(channel.dtype.kind in "iu" for channel in channels)
-    if all(channel.dtype == np.uint8 for channel in channels):
-        return np.stack(channels, axis=1), "8-bit"
-    values = np.stack([channel.astype(np.float64) for channel in channels], axis=1)
+    colors = np.stack(channels, axis=1)
+    if colors.dtype == np.uint8:
+        return colors, "8-bit"
+    values = colors.astype(np.float64)
     low, high = (values.min(), values.max()) if values.size else (0.0, 0.0)
     if not (np.isfinite(values).all() and low >= 0 and high <= 65535):
         return None, f"left out: values from {low:g} to {high:g} are no colours"
-    if high <= 1 and not is_integer:
+    if high <= 1 and colors.dtype.kind == "f":
         return np.rint(values * 255).astype(np.uint8), "0–1"
     if high <= 255:
         return np.rint(values).astype(np.uint8), "8-bit"
     # The high byte is right for 8-bit values scaled by 257 and, as in LAS, by 256.
     return (values / 256).astype(np.uint8), "16-bit"
-
-
-def _quoted(names: Sequence[str]) -> str:
-    return ", ".join(f"'{excerpt(name)}'" for name in names)

@@ -3,7 +3,6 @@
 import re
 from collections import Counter
 from collections.abc import Sequence
-from itertools import islice
 from pathlib import Path
 
 from baker.errors import InputError, excerpt, input_errors
@@ -13,7 +12,6 @@ from baker.scans.times.schedule import names_without_times, natural_key
 # Stems of text files, and readers of other files, that are often in a folder of point clouds.
 NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation", "traits"}
 BESIDE_SCANS = {"mesh", "arrays"}
-MAX_SEARCHED = 10_000  # entries below a folder without scans that are searched for an example
 IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
 
 
@@ -21,24 +19,9 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[
     """Find the files of a series: those of one folder, in natural order, or a list of files.
 
     In a folder, hidden files, sub-folders, files of unknown suffix and texts such as README.txt are
-    ignored; so are meshes and arrays where there are two or more point clouds.
-
-    Parameters
-    ----------
-    inputs : sequence of Path
-        One folder, or two or more files.
-    times_file : Path, optional
-        A file that lists the scans and their times. Without it, the names in a folder must show
-        that its files are one series.
-
-    Returns
-    -------
-    tuple of Path, at least two
-
-    Raises
-    ------
-    InputError
-        If a path does not exist or is no scan, or there are fewer than two scans.
+    ignored; so are meshes and arrays where there are two or more point clouds. Without a file that
+    lists the scans and their times, the names in a folder must show that its files are one series.
+    Raises InputError if a path does not exist or is no scan, or there are fewer than two scans.
     """
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")
@@ -46,32 +29,27 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[
         require_exists(path)
     if len(inputs) == 1 and inputs[0].is_dir():
         return _find_in_folder(inputs[0], times_file)
-
-    seen: dict[Path, Path] = {}
     for path in inputs:
-        if not path.is_file():
-            kind = "a folder: give one folder alone, or only the files of the scans"
-            raise InputError(f"'{path}' is {kind if path.is_dir() else 'not a regular file'}.")
+        _require_file(path)
         require_known(path)
-        earlier = seen.setdefault(path.resolve(), path)
-        if earlier is not path:
-            raise InputError(f"'{earlier}' is given twice (again as '{path}').")
+    path, times = Counter(map(Path.resolve, inputs)).most_common(1)[0]
+    if times > 1:
+        raise InputError(f"'{path}' is given twice.")
     if len(inputs) == 1:
-        raise InputError(f"'{inputs[0]}' is only one scan; growth needs at least two.")
+        raise InputError(f"'{path}' is only one scan; growth needs at least two.")
     return tuple(inputs)
 
 
 def require_exists(path: Path) -> None:
     """Raise InputError unless the file or folder exists and may be accessed."""
     with input_errors(path):
-        if not path.exists():
-            raise InputError(f"'{path}': there is no such file or folder.")
+        path.stat()
 
 
 def holds_scans(folder: Path) -> bool:
     """Whether `folder` itself, not a folder in it, holds at least one scan."""
     with input_errors(folder):
-        return any(_is_scan(path) for path in folder.iterdir())
+        return any(_is_named_as_scan(path) and path.is_file() for path in folder.iterdir())
 
 
 def _find_in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
@@ -79,55 +57,39 @@ def _find_in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
         entries = sorted(folder.iterdir(), key=lambda path: natural_key(path.name))
         scans = [path for path in entries if _is_named_as_scan(path) and not path.is_dir()]
         for path in scans:
-            if not path.is_file():
-                link = "a link to a file that is not there"
-                raise InputError(f"'{path}' is {link if path.is_symlink() else 'no regular file'}.")
+            _require_file(path)
         clouds = [path for path in scans if READERS[suffix_of(path)] not in BESIDE_SCANS]
         scans = clouds if len(clouds) > 1 else scans
         if times_file is not None and times_file.exists():
             scans = [path for path in scans if not path.samefile(times_file)]
-    if not scans:
-        raise InputError(f"'{folder}' holds {_describe_other_files(folder, entries)}")
-    if len(scans) == 1:
-        found = f"only one scan, '{scans[0].name}'; growth needs at least two"
-        example = folder.parent / "*" / scans[0].name
-        hint = f"; name those in several folders, as in bake {example}"
-        raise InputError(f"'{folder}' holds {found}{_describe_unknown_files(entries) or hint}.")
+    if len(scans) < 2:
+        raise InputError(f"'{folder}' holds {_describe(folder, entries, scans)}.")
     if times_file is None:
         _require_one_series(folder, scans)
     return tuple(scans)
 
 
-def _describe_other_files(folder: Path, entries: Sequence[Path]) -> str:
-    """What a folder without scans holds, and how to name the scans in folders below it."""
-    if any(path.suffix.lower() in IMAGES for path in entries):
-        return (
-            "images, but no camera.toml (or camera.json) that says how the camera sees; it needs "
-            "at least fx, fy, cx and cy, in pixels."
-        )
-    below = "; folders in it are not searched" if any(p.is_dir() for p in entries) else ""
-    if deeper := next(filter(_is_scan, islice(folder.rglob("*"), MAX_SEARCHED)), None):
-        *above, name = deeper.relative_to(folder).parts
-        example = Path(folder, *("*" for _ in above), name)
-        return f"no scans{below}: name them, as in bake {example}"
-    return f"no scans{below}{_describe_unknown_files(entries) or f'; known are {KNOWN}'}."
+def _require_file(path: Path) -> None:
+    require_exists(path)  # a link may refer to a file that is not there
+    if not path.is_file():
+        raise InputError(f"'{path}' is {'a folder, ' * path.is_dir()}not a regular file.")
 
 
-def _describe_unknown_files(entries: Sequence[Path]) -> str:
-    """Which files of a folder have unknown suffixes, and which formats to export instead."""
-    files = [path for path in entries if path.is_file() and suffix_of(path) not in READERS]
-    kinds = Counter(path.suffix.lower() for path in files if path.suffix)
-    if not kinds:
-        return ""
-    listed = [f"{n} {excerpt(kind)} file{'s' * (n > 1)}" for kind, n in kinds.most_common(3)]
-    return (
-        f"; it holds {', '.join(listed)}, which can't be read: export point clouds as PLY, LAS or "
-        f"E57, meshes as PLY, OBJ or GLB (known are {KNOWN})"
-    )
-
-
-def _is_scan(path: Path) -> bool:
-    return _is_named_as_scan(path) and path.is_file()
+def _describe(folder: Path, entries: Sequence[Path], scans: Sequence[Path]) -> str:
+    """What a folder of fewer than two scans holds, and what to do about it."""
+    suffixes = {suffix_of(path) for path in entries if path.is_file()}
+    if not scans and suffixes & IMAGES:
+        needed = "at least fx, fy, cx and cy, in pixels"
+        return f"images, but no camera.toml (or camera.json), which needs {needed}"
+    found, example = "no scans", folder / "*" / "*.ply"
+    if scans:
+        found = f"only one scan, '{scans[0].name}'; growth needs at least two"
+        example = folder.parent / "*" / scans[0].name
+    unread = ", ".join(sorted(suffixes - {*READERS, ""}))
+    if unread and not any(path.is_dir() for path in entries):
+        advice = "export point clouds as PLY, LAS or E57, meshes as PLY, OBJ or GLB"
+        return f"{found}; {excerpt(unread)} can't be read: {advice} (known are {KNOWN})"
+    return f"{found} (known are {KNOWN}); name those in several folders, as in bake {example}"
 
 
 def _is_named_as_scan(path: Path) -> bool:

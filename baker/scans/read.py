@@ -1,7 +1,7 @@
 """Read the scans of one plant from files, clean them, and order them by time."""
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -9,16 +9,8 @@ from pathlib import Path
 from baker.errors import InputError, excerpt, input_errors
 from baker.geometry.parallel import MapLike, ReportProgress, reporting
 from baker.options import Options
+from baker.scans import cleaning
 from baker.scans.child_process import ChildProcess
-from baker.scans.cleaning import (
-    downsample,
-    drop_duplicates,
-    drop_non_finite,
-    drop_outliers,
-    relative_to,
-    resampled,
-    shared_origin,
-)
 from baker.scans.fields import choose_fields
 from baker.scans.find import find_scans
 from baker.scans.formats import read_columns
@@ -29,7 +21,6 @@ from baker.scans.rgbd.series import ImageSeries
 from baker.scans.scan import Scan, Series
 from baker.scans.size import require_one_unit
 from baker.scans.times.schedule import schedule_scans
-from gclip.file import identity
 
 
 def read_series(
@@ -71,8 +62,8 @@ def read_series(
         map = reporting(map, report_progress, len(series.scans))
     with ChildProcess() as child:
         scans = list(map(partial(listing.read, options=options, child=child), series.scans))
-    shared = shared_origin(scans[0].points)
-    scans = list(map(drop_duplicates, map(partial(relative_to, shared), scans)))
+    shared = cleaning.shared_origin(scans[0].points)
+    scans = list(map(cleaning.drop_duplicates, map(partial(cleaning.relative_to, shared), scans)))
     keep_ground, is_asked = options.ground == "keep", options.label_field is not None
     are_needed = options.labels in ("consistent", "independent")
     scans, field, words, labels = choose_labels(scans, is_asked, are_needed, map)
@@ -98,10 +89,10 @@ def _downsampled(scan: Scan, options: Options) -> Scan:
     """Remove outliers and down-sample, as the options say; drop the fields that aren't needed."""
     scan = replace(scan, fields={})
     if options.outliers is not None:
-        scan = drop_outliers(scan, options.outliers)
+        scan = cleaning.drop_outliers(scan, options.outliers)
     if options.voxel is not None:
-        scan = downsample(scan, options.voxel)
-    return scan if options.resample is None else resampled(scan, options.resample)
+        scan = cleaning.downsample(scan, options.voxel)
+    return scan if options.resample is None else cleaning.resampled(scan, options.resample)
 
 
 @dataclass(frozen=True)
@@ -117,21 +108,25 @@ class Listing:
 
     def read(self, scan: Scan, options: Options, child: ChildProcess | None = None) -> Scan:
         """Read a scan from its files and remove points without finite coordinates."""
+        paths = self.files(scan)
+        sha256 = digest(paths)
+        try:
+            with input_errors(scan.path):
+                read = self._read(scan.path, options, child)
+        finally:  # also after an error, of which the change may be the cause
+            if digest(paths) != sha256:
+                hint = "bake again when it is complete"
+                raise InputError(f"'{scan.path}' changed while it was read; {hint}.") from None
+        scan = replace(read, name=scan.name, time=scan.time, date=scan.date, sha256=sha256)
+        return cleaning.drop_non_finite(replace(scan, points=scan.points * options.scale))
+
+    def _read(self, path: Path, options: Options, child: ChildProcess | None) -> Scan:
         use_labels = options.labels != "ignore" or bool(options.drop_label)
-        names, carried = (
-            [*filter(None, listed.split(","))] for listed in (options.columns, options.fields)
-        )
-
-        def read() -> Scan:
-            if self.images:
-                return self.images.read(scan.path, use_labels)
-            columns = read_columns(scan.path, names, child)
-            return choose_fields(columns, scan.path, options.label_field, use_labels, carried)
-
-        content = _read_unchanged(self.files(scan), read)
-        points = content.points * options.scale
-        timed = replace(content, points=points, name=scan.name, time=scan.time, date=scan.date)
-        return drop_non_finite(timed)
+        if self.images:
+            return self.images.read(path, use_labels)
+        names, carried = ([*filter(None, o.split(","))] for o in (options.columns, options.fields))
+        columns = read_columns(path, names, child)
+        return choose_fields(columns, path, options.label_field, use_labels, carried)
 
 
 def list_series(
@@ -139,28 +134,17 @@ def list_series(
 ) -> Listing:
     """Find, time and order the scans of a series without reading them.
 
-    Parameters
-    ----------
-    inputs, options, times
-        As in `read_series`.
-
-    Raises
-    ------
-    InputError
-        If the inputs can't be read as one series.
+    Takes and raises what `read_series` does.
     """
-    camera = find_camera(inputs[0]) if len(inputs) == 1 else None
-    if camera and options.label_field is not None:
-        raise InputError(
-            f"'{inputs[0]}' holds images, whose labels are images too, not a field: leave out "
-            "--label-field."
-        )
-    file = options.times
+    camera, file = find_camera(inputs[0]) if len(inputs) == 1 else None, options.times
     if camera:
         images = ImageSeries(camera, file)
         series = replace(images.series, fixed=True, length="mm")
         if images.has_labels and options.labels != "ignore":
             series = replace(series, root="virtual")
+        if options.label_field is not None:
+            reason = "holds images, whose labels are images too, not a field"
+            raise InputError(f"'{inputs[0]}' {reason}: leave out --label-field.")
     else:
         images, from_folder = None, len(inputs) == 1
         series = schedule_scans(find_scans(inputs, file), file, times, from_folder)
@@ -182,23 +166,3 @@ def digest(paths: Sequence[Path]) -> str:
         with input_errors(path), path.open("rb") as file:
             hashlib.file_digest(file, lambda: sha256)
     return sha256.hexdigest()
-
-
-def _read_unchanged(paths: Sequence[Path], read: Callable[[], Scan]) -> Scan:
-    """Read a scan and take the digest of its files.
-
-    Raises InputError where a file can't be read, or changes while it is read.
-    """
-
-    def states() -> list[tuple[int, ...]]:
-        with input_errors(paths[0]):
-            return [identity(path.stat()) for path in paths]
-
-    before = states()
-    try:
-        with input_errors(paths[0]):
-            return replace(read(), sha256=digest(paths))
-    finally:  # also after an error, of which the change may be the cause
-        if states() != before:
-            changed = f"'{paths[0]}' changed while it was read; bake again when it is complete."
-            raise InputError(changed) from None

@@ -203,9 +203,6 @@ background = 0
 per_day = 6
 [images]
 color = "rgb_*.png"
-[repair]
-band = 6
-jump = 2.0
 """
 
 CORRECTIONS = b"""[[correction]]
@@ -274,7 +271,7 @@ SOUND: dict[str, tuple[str, Callable[[], bytes]]] = {
     "camera": ("camera.toml", lambda: CAMERA),
     "camera json": (
         "camera.json",
-        lambda: b'{"fx": 100.0, "fy": 120, "cx": 8, "cy": 6.5, "crop": [0, 0], "repair": {}}',
+        lambda: b'{"fx": 100.0, "fy": 120, "cx": 8, "cy": 6.5, "crop": [0, 0], "images": {}}',
     ),
     "color": ("rgb_000_00.png", lambda: image("color")),
     "depth": ("depth_000_00.png", lambda: image("depth")),

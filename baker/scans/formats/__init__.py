@@ -1,11 +1,10 @@
 """Readers of scan files: one module for each format, listed in `READERS`.
 
-To add a format, write a module here with a function ``read(path: Path) -> Columns`` that raises
-`FormatError` for a damaged file, and add it to `READERS`. A file in any format may be gzipped.
+Each has a function ``read(path: Path) -> Columns`` that raises `FormatError` for a damaged file. A
+file in any format may be gzipped.
 """
 
 import gzip
-import math
 import shutil
 import warnings
 import zlib
@@ -35,7 +34,6 @@ READERS = {
 NATIVE = {"las", "e57", "mesh"}  # modules whose libraries may crash on a damaged file
 
 KNOWN = f"{', '.join(READERS)}, and any of these gzipped (.ply.gz)"
-GZIP = ".gz"
 # A file may unpack to at most UNPACKED_BYTES + BYTES_PER_BYTE times its size; native code may use
 # at most NATIVE_BYTES + BYTES_PER_BYTE times its size of memory.
 BYTES_PER_BYTE = 100
@@ -56,28 +54,21 @@ class Columns:
 
 
 class FormatError(Exception):
-    """A file can't be read; the message follows the file's name: "holds no points."
-
-    line: the number of the wrong line in a text file, from 1.
+    """A file can't be read. Its arguments are a sentence, which follows the file's name ("holds no
+    points."), and, for text files, the number of the wrong line, from 1.
     """
-
-    def __init__(self, sentence: str, line: int | None = None) -> None:
-        super().__init__(sentence)
-        self.line = line
 
 
 def require_room(count: int, size: float, room: int) -> None:
-    """Raise FormatError unless `room` bytes can hold `count` points of at least `size` bytes each.
+    """Raise FormatError unless `room` bytes hold `count` points of at least `size` bytes each.
 
-    A reader calls it before it allocates memory for the points that a header announces.
+    To be called before memory is allocated for the points that a header announces.
     """
     if count <= 0:
         raise FormatError("holds no points.")
     if count * size > room:
-        raise FormatError(
-            f"is cut short, or its header is wrong: it announces {count} points "
-            f"(at least {math.ceil(count * size)} bytes), but {max(room, 0)} bytes follow."
-        )
+        found = f"it announces {count} points, but {max(room, 0)} bytes follow"
+        raise FormatError(f"is cut short, or its header is wrong: {found}.")
 
 
 def require_count(announced: int, found: int, what: str = "points") -> None:
@@ -96,7 +87,7 @@ def require_no_bomb(path: Path, size: int) -> None:
 def suffix_of(path: Path) -> str:
     """The suffix that names the format: in lower case, without a final ".gz"."""
     suffix = path.suffix.lower()
-    return Path(path.stem).suffix.lower() if suffix == GZIP else suffix
+    return Path(path.stem).suffix.lower() if suffix == ".gz" else suffix
 
 
 def require_known(path: Path) -> None:
@@ -113,18 +104,9 @@ def read_columns(
 ) -> Columns:
     """Read all fields of a scan from a file, whose format is known by its suffix.
 
-    Parameters
-    ----------
-    path : Path
-    names : sequence of str
-        The columns of a text table, instead of its header.
-    child : ChildProcess, optional
-        The process that runs readers in native code; by default this one.
-
-    Raises
-    ------
-    InputError
-        If the suffix is unknown, or the file can't be opened or is damaged.
+    `names` are the columns of a text table, instead of its header; `child` is the process that runs
+    readers in native code, by default this one. Raises InputError: the suffix is unknown, or the
+    file can't be opened or is damaged.
     """
     require_known(path)
     reader = READERS[suffix_of(path)]
@@ -139,8 +121,9 @@ def read_columns(
         if not any(map(len, columns.values.values())):
             raise FormatError("holds no points.")
     except FormatError as fault:
-        place = "" if fault.line is None else f", line {fault.line}:"
-        raise InputError(f"'{path}'{place} {fault}") from fault
+        sentence, *line = fault.args
+        place = f", line {line[0]}:" if line else ""
+        raise InputError(f"'{path}'{place} {sentence}") from fault
     return columns
 
 
@@ -150,10 +133,8 @@ def _read(reader: str, path: Path, names: Sequence[str], child: ChildProcess | N
         with warnings.catch_warnings(action="ignore"):
             if child:
                 memory = NATIVE_BYTES + BYTES_PER_BYTE * path.stat().st_size
-                columns: Columns = child.call(memory, _read, reader, path, names, None)
-            else:
-                columns = import_module(f"{__name__}.{reader}").read(path, *filter(None, [names]))
-            return columns
+                return child.call(memory, _read, reader, path, names, None)
+            return import_module(f"{__name__}.{reader}").read(path, *filter(None, [names]))
     except (FormatError, OSError, ImportError, MemoryError, KeyboardInterrupt, SystemExit):
         raise
     except BaseException as error:  # a panic of the LAZ decoder is not an Exception
@@ -165,7 +146,7 @@ def _read(reader: str, path: Path, names: Sequence[str], child: ChildProcess | N
 @contextmanager
 def _unpacked(path: Path) -> Iterator[Path]:
     """The file itself or, if it is gzipped, a temporary file with its content."""
-    if path.suffix.lower() != GZIP:
+    if path.suffix.lower() != ".gz":
         yield path
         return
     with TemporaryDirectory(prefix="bake-") as folder:

@@ -1,7 +1,7 @@
 """Read NumPy arrays (NPY, NPZ) in the layouts of docs/scans.md. No objects are unpickled."""
 
 import zipfile
-from collections.abc import Container, Mapping
+from collections.abc import Container
 from pathlib import Path
 
 import numpy as np
@@ -12,60 +12,57 @@ from baker.scans.formats import Columns, FormatError, require_no_bomb, require_r
 from baker.scans.formats.text import USUAL_WIDTHS, usual_names
 
 POINTS = ("points", "positions", "xyz")
-NUMBERS = "biuf"  # dtype kinds
 COLORS = ("colors", "colours", "rgb")
+NUMBERS = "biuf"  # dtype kinds
 
 
 def read(path: Path) -> Columns:
-    """Read the columns of the arrays. Raises FormatError: damaged, or without points."""
+    """Read the columns of the arrays."""
     if path.suffix.lower() == ".npz":
         _require_sound_headers(path)
         with np.load(path, allow_pickle=False) as file:
-            return Columns(_columns_of(file))
+            return Columns(_columns_of(dict(file)))
     # A memory map allocates nothing for values that a damaged header only announces.
     array = np.load(path, mmap_mode="r", allow_pickle=False)
     if array.dtype.names:
-        fields = {name: np.asarray(array[name]) for name in array.dtype.names}
-        return Columns({name: v for name, v in fields.items() if _is_column(v)})
-    if not _is_table(array, USUAL_WIDTHS):
-        found = f"shape {array.shape} and type {array.dtype}"
-        raise FormatError(f"holds an array of {found}; (N, 3) to (N, 12) numbers are read.")
-    names = usual_names(array)
-    names += [f"column {i + 1}" for i in range(len(names), array.shape[1])]
-    columns = dict(zip(names, np.asarray(array).T, strict=True))
+        return Columns({n: np.asarray(array[n]) for n in array.dtype.names if _is_column(array[n])})
+    table = np.asarray(_table("an array", array, USUAL_WIDTHS))
+    names = usual_names(table)
+    names += [f"column {i + 1}" for i in range(len(names), table.shape[1])]
+    columns = dict(zip(names, table.T, strict=True))
     return Columns(columns, (f"columns taken as {' '.join(names)}.",))
 
 
-def _columns_of(arrays: Mapping[str, NDArray]) -> dict[str, NDArray]:
+def _columns_of(arrays: dict[str, NDArray]) -> dict[str, NDArray]:
     """The columns of an archive of named arrays."""
     points = next((name for name in POINTS if name in arrays), None)
     if points is None:
         found = excerpt(", ".join(arrays)) or "none"
         raise FormatError(f"has no array '{POINTS[0]}' (it has {found}).")
-    positions = arrays[points]
-    if not _is_table(positions, (3,)):
-        found = f"shape {positions.shape} and type {positions.dtype}"
-        raise FormatError(f"has an array '{points}' of {found}, not (N, 3) numbers.")
-    columns = dict(zip("xyz", positions.T, strict=True))
-    for name in arrays:
-        values = arrays[name]
-        if name in COLORS and _is_table(values, (3, 4)):
-            columns |= dict(zip(("red", "green", "blue"), values.T, strict=False))
-        elif name != points and _is_column(values):
+    columns = dict(zip("xyz", _table(f"'{points}'", arrays.pop(points), (3,)).T, strict=True))
+    for name, values in arrays.items():
+        if name in COLORS:
+            channels = _table(f"'{name}'", values, (3, 4)).T
+            columns |= dict(zip(("red", "green", "blue"), channels, strict=False))
+        elif _is_column(values):
             columns["label" if name == "labels" else name] = values
-    for name, values in columns.items():
-        if len(values) != len(positions):
-            sizes = f"{len(positions)} points, but an array '{excerpt(name)}' of {len(values)}"
-            raise FormatError(f"has {sizes} values.")
+    count = len(columns["x"])
+    if wrong := [name for name, values in columns.items() if len(values) != count]:
+        found = f"{len(columns[wrong[0]])} values in its array '{excerpt(wrong[0])}'"
+        raise FormatError(f"has {count} points, but {found}.")
     return columns
-
-
-def _is_table(values: NDArray, widths: Container[int]) -> bool:
-    return values.ndim == 2 and values.shape[1] in widths and values.dtype.kind in NUMBERS
 
 
 def _is_column(values: NDArray) -> bool:
     return values.ndim == 1 and values.dtype.kind in NUMBERS
+
+
+def _table(name: str, values: NDArray, widths: Container[int]) -> NDArray:
+    """The values of an array; raises FormatError if they are not numbers in so many columns."""
+    if values.ndim != 2 or values.shape[1] not in widths or values.dtype.kind not in NUMBERS:
+        found = f"of shape {values.shape} and type {values.dtype}"
+        raise FormatError(f"has {name} {found}, not (N, 3) numbers (docs/scans.md).")
+    return values
 
 
 def _require_sound_headers(path: Path) -> None:

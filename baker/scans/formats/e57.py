@@ -5,18 +5,14 @@ from pathlib import Path
 
 import numpy as np
 
-from baker.scans.formats import Columns, FormatError, require_room
+from baker.scans.formats import Columns, FormatError
 
 POSITIONS = {"cartesianX": "x", "cartesianY": "y", "cartesianZ": "z"}
 COLORS = {"colorRed": "red", "colorGreen": "green", "colorBlue": "blue"}
-MIN_POINT_BYTES = 1 / 8  # coordinates may be packed into single bits
 
 
 def read(path: Path) -> Columns:
-    """Read x, y, z in the file's frame and, if all scans have them, red, green, blue.
-
-    Raises FormatError: pye57 is not installed, or the file is damaged or holds no points.
-    """
+    """Read x, y, z in the file's frame and, if all scans have them, red, green, blue."""
     try:
         import pye57
     except ImportError:
@@ -25,11 +21,8 @@ def read(path: Path) -> Columns:
         ) from None
 
     with closing(pye57.E57(str(path))) as file:
-        numbers = range(file.scan_count)
-        count = sum(file.get_header(k).point_count for k in numbers)
-        require_room(count, MIN_POINT_BYTES, path.stat().st_size)
         wanted = {"colors": True, "ignore_missing_fields": True, "transform": True}
-        scans = [file.read_scan(k, **wanted) for k in numbers]
+        scans = [file.read_scan(k, **wanted) for k in range(file.scan_count)]
     have_colors = all(set(COLORS) <= set(scan) for scan in scans)
     names = POSITIONS | COLORS if have_colors else POSITIONS
     return Columns(

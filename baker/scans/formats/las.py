@@ -8,18 +8,14 @@ import numpy as np
 from baker.scans.formats import Columns, FormatError, require_count, require_room
 
 CHUNK_BYTES = 32 << 20  # of points that are decoded at a time
-MIN_HEADER_BYTES = 227  # of LAS 1.0 to 1.2
 MIN_RECORD_BYTES = 54  # of a variable length record without content
 
 
 def read(path: Path) -> Columns:
-    """Read x, y, z as scaled float64, and all other dimensions by their names in laspy.
-
-    Raises FormatError where laspy can't read the file, or it ends before its last point.
-    """
+    """Read x, y, z as scaled float64, and all other dimensions by their names in laspy."""
     import laspy
 
-    _check_header(path)
+    _require_sound_header(path)
     with laspy.open(path, read_evlrs=False) as file:
         header, form = file.header, file.header.point_format
         if not header.scales.all():
@@ -30,25 +26,17 @@ def read(path: Path) -> Columns:
         chunks = list(file.chunk_iterator(max(1, CHUNK_BYTES // form.size)))
         require_count(header.point_count, sum(map(len, chunks)))
         names = ["x", "y", "z", *(name for name in form.dimension_names if name not in [*"XYZ"])]
-        with np.errstate(all="ignore"):  # a wrong scale may give coordinates that aren't finite
-            columns = {
-                name: np.concatenate([np.asarray(chunk[name]) for chunk in chunks])
-                for name in names
-            }
+        columns = {n: np.concatenate([np.asarray(chunk[n]) for chunk in chunks]) for n in names}
     colors = {"red", "green", "blue"}  # are all 0 in many files, where no colours were measured
     unused = set() if any(columns[name].any() for name in colors & set(columns)) else colors
     unused |= {name for name, values in columns.items() if values.ndim > 1}
     return Columns({name: values for name, values in columns.items() if name not in unused})
 
 
-def _check_header(path: Path) -> None:
+def _require_sound_header(path: Path) -> None:
     """Refuse records that can't be in the file, on which laspy would spend minutes."""
     with path.open("rb") as file:
-        start = file.read(MIN_HEADER_BYTES)
-    header_size, points_offset, records = struct.unpack_from("<HII", start, 94)
-    size = path.stat().st_size
-    if not header_size + records * MIN_RECORD_BYTES <= points_offset <= size:
-        raise FormatError(
-            f"is no sound LAS file, or is cut short (of its {size} bytes its header says that "
-            f"{records} records lie between bytes {header_size} and {points_offset})."
-        )
+        header_size, points_offset, records = struct.unpack("<HII", file.read(104)[94:])
+    if not header_size + records * MIN_RECORD_BYTES <= points_offset <= path.stat().st_size:
+        said = f"{records} records between bytes {header_size} and {points_offset}"
+        raise FormatError(f"is no sound LAS file, or is cut short (its header announces {said}).")

@@ -1,4 +1,4 @@
-"""Read the camera file of a folder of images: intrinsics, file names and options of the repair.
+"""Read the camera file of a folder of images: intrinsics and file names.
 
 It is `camera.toml` or `camera.json`; docs/images.md says what each field means. The centre of the
 upper left pixel is (0, 0).
@@ -15,16 +15,14 @@ from gclip.config_file import read_config
 
 CAMERA_FILES = ("camera.toml", "camera.json")
 
-LARGEST, SMALLEST = 1e9, 1e-9  # of the numbers that describe a camera
 MAX_FILE_SIZE = 1 << 16  # bytes
 PATTERN = r"(?![/\\]|(.*[/\\])?\.\.([/\\]|$))[^*?\[\]:]*\*[^*?\[\]:/\\]*"
 
-Number = Annotated[float, Meta(ge=-LARGEST, le=LARGEST)]
-Positive = Annotated[float, Meta(ge=SMALLEST, le=LARGEST)]
-Count = Annotated[int, Meta(ge=1, le=int(LARGEST))]
-Border = Annotated[int, Meta(ge=0, le=100)]
-Coordinate = Annotated[int, Meta(ge=0, le=int(LARGEST))]
-Label = Annotated[int, Meta(ge=-int(LARGEST), le=int(LARGEST))]
+Number = Annotated[float, Meta(ge=-1e9, le=1e9)]
+Positive = Annotated[float, Meta(ge=1e-9, le=1e9)]
+Count = Annotated[int, Meta(ge=1, le=10**9)]
+Coordinate = Annotated[int, Meta(ge=0, le=10**9)]
+Label = Annotated[int, Meta(ge=-(10**9), le=10**9)]
 
 
 class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
@@ -38,18 +36,8 @@ class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
     def __post_init__(self) -> None:
         for name in self.__struct_fields__:
             if not re.fullmatch(PATTERN, getattr(self, name)):
-                raise ValueError(
-                    f"Expected as {name} a path in the folder, with one * in the file's own name"
-                )
-
-
-class RepairOptions(Struct, frozen=True, forbid_unknown_fields=True):
-    """Options of `baker.scans.rgbd.depth_repair`."""
-
-    band: Border = 6
-    """Width in pixels of the border of a label that is searched for jumps; 0 for no search."""
-    jump: Positive = 2.0
-    """Distance in mm from the label's surface that is a jump, if it is larger than the noise."""
+                needed = "a path in the folder, with one * in the file's own name"
+                raise ValueError(f"Expected as {name} {needed}")
 
 
 class Camera(Struct, frozen=True, forbid_unknown_fields=True):
@@ -67,7 +55,6 @@ class Camera(Struct, frozen=True, forbid_unknown_fields=True):
     background: Label = 0  # a number of `baker.scans.rgbd.images.read_labels`
     per_day: Count = 6
     images: Patterns = Patterns()
-    repair: RepairOptions = RepairOptions()
 
 
 def find_camera(folder: Path) -> Path | None:

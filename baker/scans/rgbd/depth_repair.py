@@ -1,102 +1,61 @@
 """Repair implausible depth at the borders of organs (section 4 of the paper, Komatsuna).
 
-Along an organ's border, pixels of a depth camera show the background or a mixture of both. Each
-label is repaired separately, in two steps:
-
-1. Depth is marked unknown where the camera measured none, where a hand-painted mask marks it, and
-   in a band along the label's border where it jumps away from the label's surface, or is next to
-   unknown depth. The surface is a polynomial of degree 2, fitted robustly, which follows a tilted,
-   arched leaf.
-2. The deviation from the polynomial is filled by diffusion from the valid pixels (H. Knutsson,
-   C.-F. Westin, Normalized and Differential Convolution, CVPR 1993), so that a tilted leaf stays
-   tilted up to its border. Valid depth is never changed, nor is its noise removed.
+Along an organ's border, pixels of a depth camera show the background or a mixture of both. In each
+label, depth is unknown where it is 0, and in a band along the border where it jumps away from the
+label's surface or is next to unknown depth. The surface is a polynomial of degree 2, fitted
+robustly, which follows a tilted, arched leaf. Unknown depth is filled by diffusion around it from
+the valid pixels, which are never changed themselves (H. Knutsson, C.-F. Westin,
+Normalized and Differential Convolution, CVPR 1993).
 """
+
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.scans.rgbd.camera import RepairOptions
-
-NOISE_SIGMAS = 3.0  # least height of a jump in standard deviations of the noise
+BAND = 6  # pixels along a label's border that are searched for jumps
+MIN_JUMP, NOISE_SIGMAS = 2.0, 3.0  # mm, and standard deviations of the noise, of a jump
 USUAL_NOISE = 0.1  # mm, scale of the robust loss of the surface's fit
 SIGMA, REACH = 2.0, 12  # pixels, of the diffusion's Gaussian kernel, and where it ends
-VALID, MISSING, PAINTED, JUMP, BESIDE = range(5)
-REASONS = ("valid", "not measured", "painted", "off their surface", "beside such pixels")
 
 
 def repair(
-    depth: NDArray[np.float64],
-    labels: NDArray[np.integer],
-    background: int = 0,
-    painted: NDArray[np.bool_] | None = None,
-    options: RepairOptions | None = None,
-) -> tuple[NDArray[np.float64], NDArray[np.uint8]]:
+    depth: NDArray[np.float64], labels: NDArray[np.integer], background: int = 0
+) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
-    Parameters
-    ----------
-    depth : (H, W) float64
-        In mm, 0 where nothing was measured.
-    labels : (H, W) integers
-    background : int
-        The label that is not repaired.
-    painted : (H, W) bool, optional
-        A hand-painted mask of unknown depth.
-    options : RepairOptions, optional
-
-    Returns
-    -------
-    depth : (H, W) float64
-        In mm; 0 outside of all labels and where it could not be filled.
-    reason : (H, W) uint8
-        Why depth was unknown, an index of `REASONS`.
+    All images are (H, W). `depth` is in mm, 0 where it is unknown. Returns the depth, 0 outside of
+    labels and where it could not be filled, and where in a label it was unknown.
     """
-    from scipy.ndimage import find_objects, maximum_filter, minimum_filter
+    from scipy import ndimage
 
-    options = options or RepairOptions()
+    diffuse = partial(ndimage.gaussian_filter, sigma=SIGMA, mode="constant", radius=REACH)
     plant = labels != background
-    reason = np.full(labels.shape, VALID, np.uint8)
-    if painted is not None:
-        reason[painted] = PAINTED
-    reason[depth <= 0] = MISSING
-    reason[~plant] = VALID
-    size = 2 * options.band + 1
-    in_band = maximum_filter(labels, size) != minimum_filter(labels, size)
+    valid = plant & (depth > 0)
+    size = 2 * BAND + 1
+    in_band = ndimage.maximum_filter(labels, size) != ndimage.minimum_filter(labels, size)
     repaired = np.zeros(labels.shape)
     number = np.unique(labels, return_inverse=True)[1].reshape(labels.shape)
-    for k, box in enumerate(find_objects(number + 1)):
+    for k, box in enumerate(ndimage.find_objects(number + 1)):
         inside = plant[box] & (number[box] == k)
-        if (inside & (reason[box] == VALID)).any():
-            filled = _repair_label(depth[box], inside, in_band[box], reason[box], options)
-            repaired[box][inside] = filled[inside]
-    return repaired, reason
-
-
-def _repair_label(
-    depth: NDArray[np.float64],
-    inside: NDArray[np.bool_],
-    in_band: NDArray[np.bool_],
-    reason: NDArray[np.uint8],
-    options: RepairOptions,
-) -> NDArray[np.float64]:
-    """Mark implausible depth of one label in `reason`; return the label's depth without it."""
-    from scipy.ndimage import binary_dilation
-
-    measured = inside & (reason == VALID)
-    surface = _polynomial_surface(depth, measured)
-    deviation = depth - surface
-    noise = 1.4826 * np.median(np.abs(deviation[measured]))
-    jumps = measured & in_band & (np.abs(deviation) > max(options.jump, NOISE_SIGMAS * noise))
-    # Pixels next to unknown depth are likely a mixture of both sides.
-    unknown = binary_dilation(inside & ~measured | jumps, np.ones((3, 3)))
-    beside = measured & in_band & ~jumps & unknown
-    reason[jumps], reason[beside] = JUMP, BESIDE
-    valid = measured & ~jumps & ~beside
-    weight, total = _diffuse(valid), _diffuse(np.where(valid, deviation, 0.0))
-    # 0 where no valid depth is in reach, or the filled depth would be behind the camera.
-    mean = np.divide(total, weight, out=-surface, where=weight > 0)
-    filled = np.maximum(surface + mean, 0.0)
-    return np.where(valid, depth, filled)
+        known = inside & valid[box]
+        if not known.any():
+            continue
+        surface = _polynomial_surface(depth[box], known)
+        deviation = depth[box] - surface
+        noise = 1.4826 * np.median(np.abs(deviation[known]))
+        is_far = np.abs(deviation) > max(MIN_JUMP, NOISE_SIGMAS * noise)
+        border = known & in_band[box]
+        known &= ~(border & is_far)
+        # Pixels next to unknown depth are likely a mixture of both sides.
+        known &= ~(border & ndimage.binary_dilation(inside & ~known, np.ones((3, 3))))
+        valid[box][inside] = known[inside]
+        weight, total = diffuse(known.astype(float)), diffuse(np.where(known, deviation, 0.0))
+        # 0 where no valid depth is in reach, or the filled depth would be behind the camera.
+        mean = np.divide(total, weight, out=-surface, where=weight > 0)
+        filled = np.where(known, depth[box], np.maximum(surface + mean, 0.0))
+        repaired[box][inside] = filled[inside]
+    return repaired, plant & ~valid
 
 
 def _polynomial_surface(
@@ -115,9 +74,3 @@ def _polynomial_surface(
     robust = {"loss": "cauchy", "f_scale": USUAL_NOISE}
     fit = least_squares(lambda c: rows @ c - values, start, lambda c: rows, **robust)
     return np.asarray(terms @ fit.x)
-
-
-def _diffuse(values: NDArray) -> NDArray[np.float64]:
-    from scipy.ndimage import gaussian_filter
-
-    return gaussian_filter(values.astype(float), SIGMA, mode="constant", radius=REACH)

@@ -26,15 +26,12 @@ def read_depth(path: Path, unit: float) -> NDArray[np.float64]:
 def read_labels(path: Path) -> NDArray[np.int64]:
     """Read labels (H, W): the value of a grey or palette pixel, 0xRRGGBB of a coloured one.
 
-    Transparent pixels are 0. Raises InputError, also for more than `MAX_LABELS` colours.
+    Transparent pixels are 0. Raises InputError for more than `MAX_LABELS` colours.
     """
     labels = _numbers(read_pixels(path, "I.*|1|L|P", "RGBA"))
-    distinct = len(np.unique(labels))
-    if distinct > MAX_LABELS:
-        raise InputError(
-            f"'{path}' has {distinct} distinct colours; a label image needs one flat colour for "
-            "each organ, saved without loss and without smoothing."
-        )
+    if (distinct := len(np.unique(labels))) > MAX_LABELS:
+        needed = "a label image needs one flat colour for each organ, saved without loss"
+        raise InputError(f"'{path}' has {distinct} distinct colours; {needed}.")
     return labels
 
 
@@ -52,11 +49,8 @@ def _numbers(pixels: NDArray) -> NDArray[np.int64]:
 
 
 def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
-    """Read an image's pixels, converted to the Pillow mode `other` unless its mode matches `kept`.
-
-    Raises InputError if the image can't be read.
-    """
-    from PIL import Image, UnidentifiedImageError
+    """Read an image's pixels, converted to the mode `other` unless its mode matches `kept`."""
+    from PIL import Image
 
     # From memory, so that Pillow can't allocate the size that a damaged chunk announces.
     content = path.read_bytes()
@@ -69,15 +63,11 @@ def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
             if image.format == "PNG" and pixels > MAX_PIXELS_PER_BYTE * len(content):
                 raise ValueError(f"its {len(content)} bytes can't hold so many pixels")
             mode = image.mode if re.fullmatch(kept, image.mode) else other
-            if mode is not None:
-                return np.array(image.convert(mode))
-    except UnidentifiedImageError as error:
-        reason = f"it is none of {', '.join(FORMATS)}, or damaged"
-        raise InputError(f"'{path}' can't be read as an image: {reason}.") from error
+            if mode is None:
+                needed = "a depth image has one channel of 16 bits a pixel"
+                raise ValueError(f"{needed}, not the kind '{image.mode}'")
+            return np.array(image.convert(mode))
     except Exception as error:
-        reason = " ".join(str(error).split()).rstrip(".")
-        raise InputError(f"'{path}' can't be read as an image: {reason}.") from error
-    raise InputError(
-        f"'{path}' is no depth image: it must have one channel of whole numbers of 16 bits a "
-        f"pixel, not the kind '{image.mode}'."
-    )
+        reason = " ".join(re.sub("<.*>", "", str(error)).split()).rstrip(".")
+        what = f"'{path}' can't be read as an image ({', '.join(FORMATS)})"
+        raise InputError(f"{what}: {reason}.") from error

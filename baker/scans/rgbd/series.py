@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from baker.errors import InputError
 from baker.scans.rgbd.camera import Camera, Patterns, read_camera
-from baker.scans.rgbd.depth_repair import REASONS, VALID, repair
+from baker.scans.rgbd.depth_repair import repair
 from baker.scans.rgbd.images import read_depth, read_labels, read_mask, read_pixels
 from baker.scans.scan import Scan, Series
 from baker.scans.times.conventions import Moment
@@ -32,25 +32,21 @@ class Frame(NamedTuple):
 
 
 def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
-    """Find the frames of a folder, one for each colour image, in the natural order of their names.
-
-    Raises InputError: fewer than two frames, one without depth, or labels for some frames only.
-    """
+    """Find the frames of a folder, one for each colour image, in natural order of their names."""
     found: dict[str, dict[str, Path]] = {}
     for kind, pattern in asdict(patterns).items():
         before, _, after = Path(pattern).name.partition("*")
-        files = (path for path in folder.glob(pattern) if path.is_file())
+        files = filter(Path.is_file, folder.glob(pattern))
         found[kind] = {p.name.removeprefix(before).removesuffix(after): p for p in files}
-    colors = found["color"]
+    colors, depths, labels, masks = found.values()
     if len(colors) < 2:
-        images = f"{len(colors) or 'no'} colour image{'s' * (len(colors) != 1)}"
-        raise InputError(f"'{folder}' holds {images} '{patterns.color}'; growth needs two.")
+        images = f"fewer than two colour images '{patterns.color}'"
+        raise InputError(f"'{folder}' holds {images}; growth needs two.")
     names = sorted(colors, key=natural_key)
-    for kind in ("depth", "label")[: 1 + bool(found["label"])]:
-        for name in (name for name in names if name not in found[kind]):
-            missing = getattr(patterns, kind).replace("*", name)
-            raise InputError(f"'{colors[name]}' has no {kind} image; '{missing}' is missing.")
-    depths, labels, masks = found["depth"], found["label"], found["mask"]
+    for kind in ("depth", "label") if labels else ("depth",):
+        if lacking := [name for name in names if name not in found[kind]]:
+            missing = getattr(patterns, kind).replace("*", lacking[0])
+            raise InputError(f"'{colors[lacking[0]]}' has no {kind} image; '{missing}' is missing.")
     return tuple(Frame(n, colors[n], depths[n], labels.get(n), masks.get(n)) for n in names)
 
 
@@ -61,34 +57,24 @@ def schedule_frames(
 
     A name of two numbers is a day and a slot of that day (000_05); a third number in front is the
     plant's (00_000_05). Slots are numbered from 0 to ``per_day - 1``.
-
-    Raises InputError: a slot that is `per_day` or more, or two frames at one time.
     """
     paths = [frame.color for frame in frames]
-    slots = [slot for frame in frames if (slot := _SLOT.fullmatch(frame.name))]
+    found = [slot for frame in frames if (slot := _SLOT.fullmatch(frame.name))]
+    slots = [(int(slot["day"]), int(slot["slot"])) for slot in found]
     if times_file is not None or len(slots) < len(frames):
         return schedule_scans(paths, times_file, from_folder=True)
-
-    moments = []
-    for frame, slot in zip(frames, slots, strict=True):
-        day, number = int(slot["day"]), int(slot["slot"])
-        if number >= per_day:
-            raise InputError(
-                f"'{frame.color}' is number {number} of its day, but a day has {per_day} images, "
-                f"0 to {per_day - 1}; set per_day in the camera's file (24 where the number is "
-                "the hour)."
-            )
-        time = day + number / per_day
-        moments.append(Moment(time, f"day {time:.2f}"))
+    last, path = max((number, path) for (_, number), path in zip(slots, paths, strict=True))
+    if last >= per_day:
+        hint = "set per_day in the camera's file (24 where the number is the hour)"
+        raise InputError(f"'{path}' is number {last} of its day, of {per_day} from 0 on; {hint}.")
+    times = [day + number / per_day for day, number in slots]
+    moments = [Moment(time, f"day {time:.2f}") for time in times]
     rule = f"from day and number in the names, {per_day} images a day"
     return schedule_in_time(paths, [path.name for path in paths], moments, rule)
 
 
 class ImageSeries:
-    """The frames of one folder, found by name; their pixels are read one frame at a time.
-
-    Creating it and reading raise InputError.
-    """
+    """The frames of one folder, found by name; their pixels are read one frame at a time."""
 
     def __init__(self, camera_file: Path, times_file: Path | None = None) -> None:
         self.camera_file = camera_file
@@ -106,20 +92,23 @@ class ImageSeries:
         label, but returns no labels.
         """
         frame, camera = self.frames[color], self.camera
-        colors, depth, labels, painted = self._images(frame)
-        notes: tuple[str, ...] = ()
-        if labels is None:
-            depth[painted] = 0.0
-        else:
-            depth, reason = repair(depth, labels, camera.background, painted, camera.repair)
-            notes = _notes(depth, reason, labels != camera.background)
+        colors, depth, labels = self._images(frame)
+        notes = []
+        if labels is not None:
+            depth, unknown = repair(depth, labels, camera.background)
+            plant = labels != camera.background
+            lost = (plant & (depth == 0)).sum()
+            notes.append(
+                f"depth unknown at {unknown.sum()} of {plant.sum()} labelled pixels; "
+                f"{unknown.sum() - lost} filled by diffusion, {lost} left out: no valid depth near."
+            )
         chosen = depth > 0
         if not chosen.any():
             path, pixel = (frame.label, "labelled pixel") if frame.label else (frame.depth, "pixel")
             raise InputError(f"'{path}' shows no plant: no {pixel} has a depth.")
         point_labels = labels[chosen] if labels is not None and use_labels else None
         points = unproject(depth, camera, self._ground)
-        return Scan(points, point_labels, colors[chosen], notes, path=color)
+        return Scan(points, point_labels, colors[chosen], tuple(notes), path=color)
 
     def files(self, color: Path) -> tuple[Path, ...]:
         """The files that a frame is read from, its colour image first."""
@@ -132,37 +121,35 @@ class ImageSeries:
         if self.camera.ground is not None:
             return self.camera.ground
         frame = self.frames[self.series.scans[0].path]
-        _, depth, labels, _ = self._images(frame)
+        _, depth, labels = self._images(frame)
         ground = (depth > 0) & (labels is None or labels == self.camera.background)
         if not ground.any():
-            raise InputError(
-                f"'{frame.depth}' has no depth beside the plant, so the ground's distance is "
-                f"unknown; set ground (mm from the camera) in '{self.camera_file}'."
-            )
+            hint = f"set ground (mm from the camera) in '{self.camera_file}'"
+            raise InputError(f"'{frame.depth}' has no depth beside the plant; {hint}.")
         return float(np.median(depth[ground]))
 
-    def _images(self, frame: Frame) -> tuple[NDArray, NDArray, NDArray | None, NDArray]:
-        """Read colours, depth (cropped as the camera file says), labels and mask, of one size."""
+    def _images(self, frame: Frame) -> tuple[NDArray, NDArray, NDArray | None]:
+        """Read colours, depth (cropped; 0 where masked) and labels, of one size."""
         camera, colors = self.camera, read_pixels(frame.color, "RGB", "RGB")
         depth = read_depth(frame.depth, camera.depth_unit)
-        for k, side in enumerate(("height", "width")):
-            if (expected := getattr(camera, side)) not in (None, depth.shape[k]):
-                message = f"has the {side} {depth.shape[k]}, but '{self.camera_file}' says"
-                raise InputError(f"'{frame.depth}' {message} {expected}.")
+        height, width = depth.shape
+        if (camera.width or width, camera.height or height) != (width, height):
+            expected = f"not of the width and height in '{self.camera_file}'"
+            raise InputError(f"'{frame.depth}' is {width}x{height} pixels, {expected}.")
         height, width = colors.shape[:2]
         if camera.crop is not None:
             left, top = camera.crop
             depth = depth[top : top + height, left : left + width]
         labels = read_labels(frame.label) if frame.label else None
-        painted = read_mask(frame.mask) if frame.mask else np.zeros(depth.shape, bool)
-        for path, image in zip(frame[2:], (depth, labels, painted), strict=True):
+        masked = read_mask(frame.mask) if frame.mask else None
+        for path, image in zip(frame[2:], (depth, labels, masked), strict=True):
             if image is not None and image.shape != (height, width):
-                raise InputError(
-                    f"'{path}' is {image.shape[1]}x{image.shape[0]} pixels, but "
-                    f"'{frame.color.name}' is {width}x{height}; the images of a frame must show "
-                    "the same pixels (or set crop in the camera's file)."
+                found = f"{image.shape[1]}x{image.shape[0]} pixels"
+                needed = (
+                    f"'{frame.color.name}' is {width}x{height}; if it is a part of it, set crop"
                 )
-        return colors, depth, labels, painted
+                raise InputError(f"'{path}' is {found}, but {needed}.")
+        return colors, depth if masked is None else np.where(masked, 0.0, depth), labels
 
 
 def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDArray[np.float64]:
@@ -177,19 +164,3 @@ def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDAr
     x = (u + left - camera.cx) / camera.fx * z
     y = (v + top - camera.cy) / camera.fy * z
     return np.stack([x, -y, ground - z], axis=1)
-
-
-def _notes(
-    depth: NDArray[np.float64], reason: NDArray[np.uint8], plant: NDArray[np.bool_]
-) -> tuple[str, ...]:
-    """Notes on the pixels that were repaired and on those that could not be."""
-    counts = np.bincount(reason[plant], minlength=len(REASONS))
-    unknown, lost = plant.sum() - counts[VALID], (plant & (depth == 0)).sum()
-    reasons = zip(counts[VALID + 1 :], REASONS[VALID + 1 :], strict=True)
-    listed = ", ".join(f"{count} {why}" for count, why in reasons if count) or "none"
-    notes = (
-        f"depth unknown at {unknown} of {plant.sum()} labelled pixels ({listed}); "
-        f"{unknown - lost} filled by diffusion.",
-        f"left out {lost} pixels without any valid depth in reach.",
-    )
-    return notes if lost else notes[:1]

@@ -80,7 +80,7 @@ def test_without_times_the_order_counts(arrays: list[np.ndarray]) -> None:
         ({"times": [1, "2024-05-01"]}, "times mixes dates and numbers of days"),
         ({"times": [3, 3]}, "have the same time"),
         ({"labels": [None]}, "labels holds 1 arrays for 2 scans"),
-        ({"labels": [np.zeros(3, int), None]}, r"^'scans\[0\]' has 180 points, but an array"),
+        ({"labels": [np.zeros(3, int), None]}, r"^'scans\[0\]' has 180 points, but 3 values"),
         ({"align": "maybe"}, "align is maybe; one of auto, turn, icp, none is needed"),
     ],
 )

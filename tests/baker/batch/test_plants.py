@@ -66,7 +66,7 @@ def test_mixtures_and_namesakes_are_told(greenhouse, tmp_path):
     other = write_plant(tmp_path / "other" / "p1", 7)
     with pytest.raises(InputError, match=r"house/p1.*other/p1.*p1\.gclip"):
         find_plants([house / "p1", other], clips)
-    with pytest.raises(InputError, match="no such file"):
+    with pytest.raises(InputError, match="No such file"):
         find_plants([house / "p1", house / "p3"], clips)
 
 

@@ -44,8 +44,8 @@ def test_columns_of_a_table(tmp_path):
     ("arrays", "fault"),
     [
         ({"vertices": POINTS}, "has no array 'points' (it has vertices)"),
-        ({"points": POINTS.T}, "an array 'points' of shape (3, 4) and type float64, not (N, 3)"),
-        ({"points": POINTS, "labels": [1, 2]}, "has 4 points, but an array 'label' of 2 values"),
+        ({"points": POINTS.T}, "'points' of shape (3, 4) and type float64, not (N, 3)"),
+        ({"points": POINTS, "labels": [1, 2]}, "has 4 points, but 2 values in its array 'label'"),
         ({"points": np.array([{}, {}])}, "Object arrays cannot be loaded"),
         (
             {"points": np.array([["a"] * 3])},

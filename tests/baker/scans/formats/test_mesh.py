@@ -1,5 +1,6 @@
 """Meshes in every format give points spread evenly over their surface, with their colours."""
 
+import base64
 import json
 import os
 
@@ -30,10 +31,11 @@ def painted_box():
 def write_mesh(mesh, path):
     if path.suffix == ".gltf":
         files = mesh.export(file_type="gltf")
-        document = json.loads(files.pop("model.gltf"))
+        document = json.loads(files["model.gltf"])
+        for buffer in document["buffers"]:
+            content = base64.b64encode(files[buffer["uri"]]).decode()
+            buffer["uri"] = f"data:application/octet-stream;base64,{content}"
         path.write_text(json.dumps(document))
-        for name, content in files.items():
-            (path.parent / name).write_bytes(content)
     elif path.suffix == ".off":  # trimesh writes no colours into it
         rows = np.hstack([mesh.vertices, mesh.visual.vertex_colors]).tolist()
         faces = np.pad(mesh.faces, ((0, 0), (1, 0)), constant_values=3).tolist()
@@ -64,21 +66,25 @@ def test_points_lie_evenly_on_the_surface(mesh_file):
     assert "12 triangles: 20000 points sampled evenly" in cloud.notes[0]
 
 
-def test_colors_of_the_vertices_are_interpolated(mesh_file):
+def test_colors_are_those_of_the_vertices(mesh_file):
     cloud = read(mesh_file)
     if mesh_file.suffix == ".stl":
         assert cloud.colors is None
         return
-    expected = 255 * (cloud.points[:, 0] + 1) / 2
-    np.testing.assert_allclose(cloud.colors[:, 2], expected, atol=1.01)
-    np.testing.assert_array_equal(cloud.colors[:, 1], 0)
+    is_blue = cloud.colors[:, 2] > 0
+    np.testing.assert_array_equal(
+        cloud.colors, np.where(is_blue[:, None], [0, 0, 255], [255, 0, 0])
+    )
+    ends = np.abs(cloud.points[:, 0]) == 1
+    np.testing.assert_array_equal(is_blue[ends], cloud.points[ends, 0] > 0)
+    assert np.median(cloud.points[is_blue, 0]) > 0.5 > -0.5 > np.median(cloud.points[~is_blue, 0])
 
 
 @pytest.mark.parametrize("white", [np.float32(1), np.float64(255), np.uint8(255)])
 def test_a_white_mesh_is_white(tmp_path, white):
     corners = [dict(zip("xyz", np.eye(3), strict=True))]
     corners += [dict.fromkeys(("red", "green", "blue"), np.full(3, white))]
-    columns = points_on_surface(corners[0] | corners[1], np.array([[0, 1, 2]]))
+    columns = points_on_surface(corners[0] | corners[1], [np.array([[0, 1, 2]])])
     assert (choose_fields(columns, tmp_path).colors == 255).all()
 
 
@@ -93,7 +99,7 @@ def test_labels_are_those_of_the_nearest_corner(tmp_path):
         "x": np.array([0.0, 10, 0]), "y": np.array([0.0, 0, 10]), "z": np.zeros(3),
         "label": np.array([4, 7, -2], np.int32),
     }  # fmt: skip
-    columns = points_on_surface(vertices, np.array([[0, 1, 2]])).values
+    columns = points_on_surface(vertices, [np.array([[0, 1, 2]])]).values
     corner = np.argmax([10 - columns["x"] - columns["y"], columns["x"], columns["y"]], axis=0)
     np.testing.assert_array_equal(columns["label"], vertices["label"][corner])
     assert columns["label"].dtype == np.int32
@@ -137,7 +143,7 @@ def test_a_gltf_of_any_layout_is_refused_in_a_sentence(tmp_path, parts):
 
 def test_faces_without_area_leave_the_vertices(tmp_path):
     vertices = {axis: np.arange(4.0) for axis in "xyz"}
-    columns = points_on_surface(vertices, np.array([[0, 0, 0], [0, 1, 2]]))
+    columns = points_on_surface(vertices, [np.array([[0, 0, 0], [0, 1, 2]])])
     assert len(columns.values["x"]) == 4
 
 
@@ -181,17 +187,17 @@ def test_materials_of_an_obj_are_not_opened(tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [".gltf", ".glb"])
-def test_parts_of_a_gltf_in_other_folders_are_not_opened(tmp_path, suffix):
+def test_a_gltf_that_refers_to_other_files_is_refused(tmp_path, suffix):
     write_mesh(painted_box(), tmp_path / f"a{suffix}")
     content = (tmp_path / f"a{suffix}").read_bytes()
     start, end = (
         (0, len(content)) if suffix == ".gltf" else (20, 20 + content[12] + 256 * content[13])
     )
     document = json.loads(content[start:end])
-    document["images"] = [{"uri": "textures/../../leaf.png"}]
+    document["images"] = [{"uri": "leaf.png"}]
     changed = json.dumps(document).encode()
     size = len(changed).to_bytes(4, "little")
     head = content[:12] + size + content[16:20] if start else b""
     (tmp_path / f"a{suffix}").write_bytes(head + changed + content[end:])
-    with pytest.raises(InputError, match=r"refers to 'textures/\.\./\.\./leaf\.png', outside"):
+    with pytest.raises(InputError, match=r"refers to other files; export it as one GLB"):
         read(tmp_path / f"a{suffix}")

@@ -9,7 +9,6 @@ from baker.errors import InputError
 from baker.scans.rgbd.camera import (
     Camera,
     Patterns,
-    RepairOptions,
     find_camera,
     read_camera,
 )
@@ -28,9 +27,6 @@ background = 0x0000ff
 per_day = 24
 [images]
 color = "rgbd_plant/rgb_00_*.png"
-[repair]
-jump = 3.5
-band = 0
 """
 
 
@@ -50,7 +46,6 @@ def test_every_field_is_read(tmp_path: Path) -> None:
         background=0x0000FF,
         per_day=24,
         images=Patterns(color="rgbd_plant/rgb_00_*.png"),
-        repair=RepairOptions(band=0, jump=3.5),
     )
 
 
@@ -70,8 +65,8 @@ def test_four_numbers_are_enough_and_json_will_do(tmp_path: Path) -> None:
         (("fx = 610", "fx = nan"), "fx is nan"),
         (("fx = 610", "fx ="), "is no sound TOML file"),
         (("width = 480", "widht = 480"), "unknown field `widht`"),
-        (("band = 0", "bands = 0"), "repair is .*unknown field `bands`"),
-        (("band = 0", "band = 0.5"), "repair.band is 0.5; Expected `int`"),
+        (("color = ", "colors = "), "images is .*unknown field `colors`"),
+        (("per_day = 24", "per_day = 0.5"), "per_day is 0.5; Expected `int`"),
         (("width = 480", "width = 0"), "width is 0; Expected `int` >= 1"),
         (("[80, 60]", "[80]"), r"crop is \[80\]; Expected `array` of length 2"),
         (("0.125", '"1 mm"'), "depth_unit is '1 mm'; Expected `float`"),

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from baker.scans.rgbd.camera import RepairOptions
-from baker.scans.rgbd.depth_repair import BESIDE, JUMP, MISSING, PAINTED, VALID, repair
+from baker.scans.rgbd.depth_repair import repair
 
 GROUND = 500.0
 SIZE = (60, 80)
@@ -24,9 +23,9 @@ def arched() -> NDArray[np.float64]:
 def test_a_sound_leaf_keeps_its_shape_up_to_the_rim() -> None:
     inside = disc(40, 30, 20)
     depth = np.where(inside, arched(), GROUND)
-    repaired, reason = repair(depth, inside.astype(int))
+    repaired, unknown = repair(depth, inside.astype(int))
     np.testing.assert_array_equal(repaired, np.where(inside, arched(), 0))
-    assert (reason == VALID).all()
+    assert not unknown.any()
 
 
 def test_depth_edges_beside_the_labels_edges_are_put_right() -> None:
@@ -36,9 +35,9 @@ def test_depth_edges_beside_the_labels_edges_are_put_right() -> None:
     wrong = inside & (np.abs(depth - arched()) > 2)
     assert wrong.sum() > 100
 
-    repaired, reason = repair(depth, inside.astype(int))
-    assert (reason[wrong] != VALID).all()
-    assert (reason == BESIDE).any()
+    repaired, unknown = repair(depth, inside.astype(int))
+    assert unknown[wrong].all()
+    assert not unknown[~inside].any()
     np.testing.assert_allclose(repaired[inside], arched()[inside], atol=0.5)
 
 
@@ -55,30 +54,27 @@ def test_valid_depth_is_not_touched() -> None:
     rng = np.random.default_rng(0)
     inside = disc(40, 30, 20)
     depth = np.where(inside, arched() + rng.normal(0, 0.5, SIZE), GROUND)
-    repaired, reason = repair(depth, inside.astype(int))
-    valid = inside & (reason == VALID)
+    repaired, unknown = repair(depth, inside.astype(int))
+    valid = inside & ~unknown
     np.testing.assert_array_equal(repaired[valid], depth[valid])
-    assert (reason == JUMP).sum() < 0.01 * inside.sum()
+    assert unknown.sum() < 0.05 * inside.sum()
 
 
 def test_noise_raises_the_tolerance() -> None:
     rng = np.random.default_rng(0)
     inside = disc(40, 30, 25)
     depth = np.where(inside, 450.0 + rng.normal(0, 3.0, SIZE), GROUND)
-    assert (repair(depth, inside.astype(int))[1] == JUMP).sum() < 0.05 * inside.sum()
+    assert repair(depth, inside.astype(int))[1].sum() < 0.05 * inside.sum()
 
 
-def test_missing_and_painted_depth_are_filled_and_counted() -> None:
+def test_unknown_depth_is_filled_and_nothing_else() -> None:
     inside = disc(40, 30, 20)
     depth = np.where(inside, arched(), GROUND)
-    missing, painted = disc(40, 30, 3), disc(45, 35, 4)
+    missing = disc(40, 30, 3) | disc(44, 33, 4)
     depth[missing] = 0
-    depth[painted & ~missing] += 1.5  # below what counts as a jump
-    repaired, reason = repair(depth, inside.astype(int), painted=painted)
+    repaired, unknown = repair(depth, inside.astype(int))
     np.testing.assert_allclose(repaired[inside], arched()[inside], atol=0.05)
-    np.testing.assert_array_equal(reason == MISSING, missing)
-    np.testing.assert_array_equal(reason == PAINTED, painted & ~missing)
-    assert not (reason == JUMP).any()
+    np.testing.assert_array_equal(unknown, missing)
 
 
 def test_a_thin_stalk_keeps_its_depth() -> None:
@@ -94,25 +90,16 @@ def test_parts_without_any_valid_depth_are_dropped() -> None:
     repaired, _ = repair(depth, (leaf | apart).astype(int))
     assert (repaired[apart] == 0).all()
     assert (repaired[leaf] > 0).all()
-    alone, reason = repair(depth, 1 * leaf + 2 * apart)
+    alone, unknown = repair(depth, 1 * leaf + 2 * apart)
     assert (alone[apart] == 0).all()
-    assert (reason[apart] == MISSING).all()
+    np.testing.assert_array_equal(unknown, apart)
 
 
 def test_the_edge_of_the_picture_is_no_border() -> None:
     depth = np.where(U == 0, 440.0, 450.0)
-    assert (repair(depth, np.full(SIZE, 5))[1] == VALID).all()
-    _, reason = repair(np.where(U == 39, 440.0, depth), np.where(U < 40, 1, 0))
-    assert set(U[reason == JUMP]) == {39}
-    assert set(U[reason == BESIDE]) == {38}
-
-
-def test_nothing_is_looked_for_where_nothing_should_be() -> None:
-    inside = disc(40, 30, 20)
-    depth = np.where(disc(43, 30, 20), 450.0, GROUND)
-    repaired, reason = repair(depth, inside.astype(int), options=RepairOptions(band=0))
-    assert (reason == VALID).all()
-    np.testing.assert_array_equal(repaired[inside], depth[inside])
+    assert not repair(depth, np.full(SIZE, 5))[1].any()
+    _, unknown = repair(np.where(U == 39, 440.0, depth), np.where(U < 40, 1, 0))
+    assert set(U[unknown]) == {38, 39}  # a jump, and what is beside it
 
 
 def test_the_background_may_have_any_number() -> None:
@@ -135,8 +122,8 @@ def test_what_is_filled_lies_between_the_valid_depths_of_its_label() -> None:
     labels = np.where(U < 40, 1, 2)
     missing = rng.random(SIZE) < 0.3
     depth = np.where(missing, 0.0, 400.0 + 0.5 * rng.random(SIZE) + 10 * labels)
-    repaired, reason = repair(depth, labels, options=RepairOptions(band=0))
-    np.testing.assert_array_equal(reason == MISSING, missing)
+    repaired, unknown = repair(depth, labels)
+    assert unknown[missing].all()
     for label in (1, 2):
         assert np.ptp(repaired[labels == label]) < 0.6
-    np.testing.assert_array_equal(repaired[~missing], depth[~missing])
+    np.testing.assert_array_equal(repaired[~unknown], depth[~unknown])

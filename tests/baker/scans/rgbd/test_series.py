@@ -133,9 +133,8 @@ def test_every_filled_pixel_is_counted(make_images: FolderMaker) -> None:
     beside_painted, beside_missing, beside_jumps = 6 * 4 - 8, 5 * 3 - 3, 8
     beside = beside_painted + beside_missing + beside_jumps
     assert scan.notes[0] == (
-        f"depth unknown at {8 + 3 + 6 + beside} of {total} labelled pixels (3 not measured, "
-        f"8 painted, 6 off their surface, {beside} beside such pixels); {8 + 3 + 6 + beside} "
-        "filled by diffusion."
+        f"depth unknown at {8 + 3 + 6 + beside} of {total} labelled pixels; {8 + 3 + 6 + beside} "
+        "filled by diffusion, 0 left out: no valid depth near."
     )
     np.testing.assert_allclose(scan.points[:, 2], 40, atol=1e-3)
 
@@ -151,7 +150,7 @@ def test_a_label_without_depth_is_left_out_and_said(make_images: FolderMaker) ->
     scan = read_series([folder]).scans[0]
     assert scan.labels is not None
     assert set(scan.labels.tolist()) == {3}
-    assert "left out 18 pixels without any valid depth in reach." in scan.notes
+    assert "18 left out: no valid depth near" in scan.notes[0]
 
 
 def test_without_label_images_all_depth_becomes_points(make_images: FolderMaker) -> None:
@@ -247,31 +246,34 @@ SMOOTH = np.random.default_rng(0).integers(0, 256, (*SIZE, 3)).astype(np.uint8)
     ("how", "said"),
     [
         ({"camera": None}, "holds images, but no camera.toml .* needs at least fx, fy, cx and cy"),
-        ({"names": ("000_00",)}, "holds 1 colour image "),
-        ({"without": "rgb_*.png"}, r"holds no colour images 'rgb_\*.png'"),
+        ({"names": ("000_00",)}, "holds fewer than two colour images"),
+        ({"without": "rgb_*.png"}, r"holds fewer than two colour images 'rgb_\*.png'"),
         ({"without": "depth_000_03.png"}, "no depth image; 'depth_000_03.png' is missing"),
         ({"without": "depth_*.png"}, "no depth image; 'depth_000_00.png' is missing"),
         ({"without": "label_000_03.png"}, "no label image; 'label_000_03.png' is missing"),
         ({"extra": {"depth_000_03.png": WIDE}}, "is 41x30 pixels, but 'rgb_000_03.png' is 40x30"),
         ({"extra": {"label_000_03.png": WIDE}}, "is 41x30 pixels, but 'rgb_000_03.png' is 40x30"),
         ({"extra": {"mask_000_03.png": WIDE}}, "is 41x30 pixels, but 'rgb_000_03.png' is 40x30"),
-        ({"extra": {"depth_000_03.png": SMOOTH}}, "no depth image: .* 16 bits .* 'RGB'"),
+        ({"extra": {"depth_000_03.png": SMOOTH}}, "a depth image has .* 16 bits .* 'RGB'"),
         (
             {"extra": {"depth_000_03.png": np.zeros(SIZE, np.uint8)}},
-            "no depth image: .* 16 bits a pixel, not the kind 'L'",
+            "a depth image has .* 16 bits a pixel, not the kind 'L'",
         ),
         ({"extra": {"label_000_03.png": SMOOTH}}, "1200 distinct colours; a label image needs"),
         (
             {"extra": {"label_000_03.png": np.zeros(SIZE, np.uint8)}},
             "'.*label_000_03.png' shows no plant: no labelled pixel has a depth",
         ),
-        ({"camera": CAMERA + "width = 99\n"}, "has the width 40, but '.*' says 99"),
-        ({"names": ("000_00", "000_06")}, "is number 6 of its day, but a day has 6 images"),
+        (
+            {"camera": CAMERA + "width = 99\n"},
+            "is 40x30 pixels, not of the width and height in '.*camera.toml'",
+        ),
+        ({"names": ("000_00", "000_06")}, "is number 6 of its day, of 6 from 0 on; set per_day"),
         ({"names": ("00_000_00", "01_000_00")}, "have the same time, day 0.00"),
         ({"names": ("000_00", "00_00")}, "have the same time, day 0.00"),
         (
             {"extra": {"depth_000_00.png": np.where(leaf(0), 360, 0).astype(np.uint16)}},
-            "no depth beside the plant, .* set ground",
+            "no depth beside the plant; set ground",
         ),
     ],
 )

@@ -242,19 +242,21 @@ def test_times_file_says_what_belongs_together(make_folder):
 
 
 def test_folders_without_a_series(make_folder, tmp_path):
-    with pytest.raises(InputError, match=r"holds no scans; known are \.ply, .*\."):
+    with pytest.raises(InputError, match=r"holds no scans \(known are \.ply, .*\)"):
         names_in(make_folder({"notes": ""}, "none"))
     parts = dict.fromkeys(("a.sldprt", "b.SLDPRT", "c.step", "d.sldprt", "README.txt"), "")
-    said = r"3 \.sldprt files, 1 \.step file, which can't be read: export .* meshes as PLY, OBJ"
-    with pytest.raises(InputError, match=rf"holds no scans; it holds {said}"):
+    said = r"\.sldprt, \.step can't be read: export .* meshes as PLY, OBJ"
+    with pytest.raises(InputError, match=rf"holds no scans; {said}"):
         names_in(make_folder(parts, "parts"))
-    with pytest.raises(InputError, match=rf"at least two; it holds {said}"):
+    with pytest.raises(InputError, match=rf"at least two; {said}"):
         names_in(make_folder(parts | {"day1.ply": ""}, "parts"))
-    with pytest.raises(InputError, match=r"folders in it are not searched.* bake .*/\*/day1\.ply"):
+    with pytest.raises(
+        InputError, match=r"no scans .* several folders, .* bake .*/below/\*/\*\.ply"
+    ):
         names_in(make_folder({"sub/day1.ply": ""}, "below"))
     with pytest.raises(InputError, match=r"only one scan, 'day1\.ply'.* bake .*/\*/day1\.ply"):
         names_in(make_folder({"day1.ply": ""}, "one"))
-    with pytest.raises(InputError, match="no such file or folder"):
+    with pytest.raises(InputError, match="No such file or directory"):
         names_in(tmp_path / "absent")
 
 
@@ -267,7 +269,7 @@ def test_lists_that_are_no_series(make_folder):
         ([a, folder], "is a folder"),
         ([a, folder / "d.ply"], r"d\.ply' is a folder"),
         ([a, folder / "c.step"], r"unknown suffix '\.step'"),
-        ([a, folder / "x.ply"], "no such file"),
+        ([a, folder / "x.ply"], "No such file"),
         ([a, b, folder / "." / "a.ply"], "given twice"),
     ):
         with pytest.raises(InputError, match=fault):
