@@ -58,5 +58,5 @@ def read_config(path: Path, kind: type[T], most: int) -> T:
         numbered = re.sub(r"\[(\d+)\]", lambda index: f" {int(index[1]) + 1}", field)
         found = f"{numbered} is {printable(repr(content), 80)}; " if field else ""
         raise UserError(f"'{path}': {found}{printable(reason, 120)}.") from None
-    except (DecodeError, RecursionError) as error:
+    except (DecodeError, RecursionError, ValueError) as error:  # a number of 5,000 digits
         raise UserError(f"'{path}' is no sound {path.suffix[1:].upper()} file: {error}.") from None

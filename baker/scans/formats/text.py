@@ -18,6 +18,7 @@ LONGEST_LINE = 1 << 17
 COMMENT = ("#", "//")
 DELIMITERS = (";", "\t", ",", None)  # the last one is any white space
 SKIPPED = ("-", "_")  # names of columns that are not used
+MIN_COUNTED = 9  # in so few rows, a column may count the rows by chance
 USUAL_WIDTHS = range(3, 13)  # numbers of columns that are understood without a header
 HINT = "say what the columns are, as in --columns label,x,y,z,- (- is not used)"
 
@@ -55,6 +56,8 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
         require_count(count, len(table), "rows")
     notes: tuple[str, ...] = ()
     if not header:
+        if width > 3 and len(table) > MIN_COUNTED and (np.diff(table[:, 0]) == 1).all():
+            raise FormatError(f"its first column counts the rows; {HINT}.")
         for i, name in zip(numbers, usual_names(table, is_leica=count is not None), strict=False):
             names[i] = name
         notes = (f"no header line: columns taken as {' '.join(names)}.",)

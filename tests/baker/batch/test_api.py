@@ -24,7 +24,7 @@ def arrays(folder: Path) -> list[np.ndarray]:
 
 
 def contents(clip: Clip) -> list[bytes]:
-    return [np.asarray(b).tobytes() for i in clip.intervals for b in i.buffers(0).values()]
+    return [np.asarray(b).tobytes() for i in clip.intervals for b in i.buffers().values()]
 
 
 CHOICES = {"align": "none", "up": "z", "paths": "straight", "workers": 1}

@@ -55,7 +55,7 @@ def track(clip: Clip, day: int, points: np.ndarray) -> str:
 
 
 def movers(clip: Clip) -> list[bytes]:
-    return [np.asarray(b).tobytes() for i in clip.intervals for b in i.buffers(0).values()]
+    return [np.asarray(b).tobytes() for i in clip.intervals for b in i.buffers().values()]
 
 
 def test_the_same_organ_under_another_label_is_the_same_again(folder):

@@ -167,6 +167,7 @@ def test_quoted_values(load):
         ("# only words\n", r"holds no row of numbers"),
         ("1 2 3 4\n1 2 3 stem\n", r"line 2: 'stem' is not a number, but the first row has one"),
         ("lon lat h\n1 2 3\n", r"no field 'x'; the fields found: lon, lat, h"),
+        ("".join(f"{k} 1 2 3\n" for k in range(20)), r"counts the rows; say what the columns are"),
         ("1 2 3 0.5\n", r"the field 'column 4' holds 0.5, but labels must be whole numbers"),
         ("1 2 3 1e30\n", r"the field 'column 4' holds 1e\+30"),
         ("x y label\n1 2 3\n", r"no field 'z'; the fields found: x, y, label"),
