@@ -29,7 +29,7 @@ class Pose(NamedTuple):
 
 
 def pose_at(
-    sample: EvenSample, vertical: Vertical, base: NDArray[np.float64], stem: int | None
+    sample: EvenSample, base: NDArray[np.float64], stem: int | None, vertical: Vertical
 ) -> Pose:
     """The pose of a scan with a (3,) plant base. stem: the stem's label, None without labels."""
     rotation = upright(vertical)
