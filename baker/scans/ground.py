@@ -1,4 +1,4 @@
-"""Remove the ground that a plant stands on (soil, a pot or a table) from its scans."""
+"""Remove the ground that a plant stands on (soil or a table) from its scans."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -13,12 +13,11 @@ from baker.scans.ground_plane import MIN_SCORE, Ground, find_ground
 from baker.scans.scan import Finding, Scan
 
 DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # candidates for up, the most usual first
-SAMPLED_SCANS = 3  # scans of a series that are searched first along an unusual direction
 # Least score of a ground across an unusual direction, and of one that is certain. With discs of
 # soil of 3 to 300 % of the plant's size, sloped, rough, oblong or in mounds, no scan scores below
 # 0.57. Twenty plants without ground score at most 0.46 in the usual direction, 0.63 upside down.
 MIN_UNUSUAL_SCORE, CERTAIN_SCORE = 0.7, 0.55
-MAX_LAYERS = 3  # grounds that are removed one after the other: a table, then the pot on it
+MAX_LAYERS = 3  # grounds that are removed one after the other: a table, then the soil on it
 MIN_SHARE_OF_LABEL = 0.5  # of a label's points that lie in the ground, if it labels the ground
 MIN_SHARE_OF_GROUND = 0.1  # of the ground's points that have this label
 
@@ -74,8 +73,7 @@ def remove_ground(
 def _describe(grounds: Sequence[Ground | None], names: Sequence[str]) -> tuple[str, str]:
     """What was found, and what speaks against it, as texts of a `Finding`."""
     found = [ground for ground in grounds if ground]
-    kind = "a pot" if any(ground.margin for ground in found) else "a plane"
-    description = f"{kind} under the plant in {len(found)} of {len(grounds)} scans"
+    description = f"a plane under the plant in {len(found)} of {len(grounds)} scans"
     if 2 * len(found) <= len(grounds):
         having = ", ".join(name for name, ground in zip(names, grounds, strict=True) if ground)
         return description, f"the other scans show none, only {having}"
@@ -91,24 +89,15 @@ def _find_grounds(
     If only some do along the usual direction, those grounds count of which the score is certain.
     """
 
-    def search(scans: Sequence[Scan], up: str) -> tuple[list[Ground | None], float]:
-        found = list(map(partial(find_ground, up=up), [scan.points for scan in scans]))
-        return found, float(np.median([ground.score if ground else 0.0 for ground in found]))
-
-    usual, *unusual = directions
-    found, score = search(scans, usual)
-    if score >= MIN_SCORE:
-        return found
-    certain = [ground if ground and ground.score >= CERTAIN_SCORE else None for ground in found]
-    if any(certain):
-        return certain
-    sampled = np.linspace(0, len(scans) - 1, min(len(scans), SAMPLED_SCANS)).astype(int)
-    sample = [scans[k] for k in sampled]
-    for up in unusual:
-        if search(sample, up)[1] >= MIN_UNUSUAL_SCORE:
-            found, score = search(scans, up)
-            if score >= MIN_UNUSUAL_SCORE:
-                return found
+    clouds = [scan.points for scan in scans]
+    for up in directions:
+        found = list(map(partial(find_ground, up=up), clouds))
+        score = np.median([ground.score if ground else 0.0 for ground in found])
+        if score >= (MIN_SCORE if up == directions[0] else MIN_UNUSUAL_SCORE):
+            return found
+        certain = [ground if ground and ground.score >= CERTAIN_SCORE else None for ground in found]
+        if up == directions[0] and any(certain):
+            return certain
     return [None] * len(scans)
 
 
