@@ -19,12 +19,10 @@ USUAL_DISTANCE = 0.09  # in a series of two, which has no others to compare with
 MIN_SIZE = 1e-3  # of a scan, in sizes of the largest
 
 
-def unlike_scans(
-    samples: Sequence[EvenSample], transforms: Sequence[NDArray[np.float64]]
-) -> list[Finding]:
+def unlike_scans(samples: Sequence[EvenSample], transforms: NDArray[np.float64]) -> list[Finding]:
     """A finding that names the scans that are unlike those around them, if there are any.
 
-    transforms: (4, 4) from the coordinates of each scan to those of the first one.
+    transforms: (S, 4, 4) from the coordinates of each scan to those of the first one.
     """
     count = len(samples)
     sizes = np.array([np.ptp(sample.points, axis=0).max() for sample in samples])

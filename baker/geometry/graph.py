@@ -1,7 +1,6 @@
 """The connected kNN graph of a point cloud, its geodesics and merge trees."""
 
 from collections.abc import Mapping
-from itertools import permutations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -212,20 +211,21 @@ def _shortest_bridges(
     The numbers of any two components differ in some bit, so the nearest point in another component
     is found with one pair of KD-trees for each bit.
     """
+    from scipy.ndimage import minimum_position
     from scipy.sparse import coo_matrix
     from scipy.spatial import KDTree
 
     count = len(points)
     distance, foreign = np.full(count, np.inf), np.zeros(count, np.intp)
     for bit in range(int(components - 1).bit_length()):
-        sides = [np.flatnonzero((component >> bit & 1) == value) for value in (0, 1)]
-        for source, target in permutations(sides):
+        for value in (0, 1):
+            is_source = (component >> bit & 1) == value
+            source, target = np.flatnonzero(is_source), np.flatnonzero(~is_source)
             to_target, index = KDTree(points[target]).query(points[source])
             is_nearer = to_target < distance[source]
             distance[source[is_nearer]] = to_target[is_nearer]
             foreign[source[is_nearer]] = target[index[is_nearer]]
-    by_component = np.lexsort((distance, component))
-    best = by_component[np.unique(component[by_component], return_index=True)[1]]
+    best = np.ravel(minimum_position(distance, component, range(components)))
     # Two components may have the same shortest edge, which is added once.
     edges = np.unique(np.sort(np.stack([best, foreign[best]]), axis=0), axis=1)
     lengths = np.linalg.norm(np.subtract(*points[edges].astype(np.float64)), axis=1)

@@ -22,26 +22,12 @@ MIN_SHARE_OF_GROUND = 0.1  # of the ground's points that have this label
 def remove_ground(
     scans: Sequence[Scan], up: str = "auto", keep: bool = False, map: MapLike = map
 ) -> tuple[list[Scan], str, tuple[Finding, ...]]:
-    """Remove the ground from the scans of a series, where they show one.
+    """Remove the ground from the scans of a series, where they show one, or only find it (`keep`).
 
     In scans with labels, the labels of which most points lie in the ground are removed.
 
-    Parameters
-    ----------
-    scans : sequence of Scan
-    up : str
-        The direction of growth, one of `DIRECTIONS`, or "auto" where it is not known.
-    keep : bool
-        Find the ground, but don't remove it.
-    map : map-like callable
-        Maps over the scans.
-
-    Returns
-    -------
-    scans : list of Scan
-    ground_up : str
-        The direction away from the ground, one of `DIRECTIONS`; "" where no ground was found.
-    findings : tuple of Finding
+    up: the direction of growth, one of `DIRECTIONS`, or "auto" where it is not known. Also returns
+    the direction away from the ground, "" where none was found, and the findings.
     """
     directions = DIRECTIONS if up == "auto" else (up,)
     remaining, ground_up, findings = list(scans), "", []
@@ -98,7 +84,7 @@ def _without_ground(scan: Scan, ground: Ground | None) -> Scan:
         return scan
     is_ground = ground.holds(scan.points)
     if scan.labels is not None:
-        labels, index = np.unique(scan.labels, return_inverse=True)
+        _, index = np.unique(scan.labels, return_inverse=True)
         inside = np.bincount(index, is_ground)
         is_most = inside > MIN_SHARE_OF_LABEL * np.bincount(index)
         if (is_label := is_most & (inside > MIN_SHARE_OF_GROUND * inside.sum())).any():

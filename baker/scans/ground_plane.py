@@ -66,19 +66,7 @@ class Ground:
 
 
 def find_ground(points: Points, up: str) -> Ground | None:
-    """Find the ground below a plant.
-
-    Parameters
-    ----------
-    points : (N, 3) float
-    up : str
-        The axis along which the plant grows, roughly.
-
-    Returns
-    -------
-    Ground or None
-        The one of best score; None if there is no ground.
-    """
+    """Find the ground of best score below the (N, 3) points of a plant that grows roughly `up`."""
     vertical = Vertical.named(up)
     frame = _rotation_to_z(vertical.sign * np.eye(3)[vertical.axis])
     sample = np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64)
@@ -184,7 +172,6 @@ def _rotation_to_z(up: Points) -> Points:
 
 def _median_of_medians(groups: Points, values: Points) -> float:
     """The median of the groups' medians: a stem has many points, but in few groups."""
-    order = np.lexsort((values, groups))
-    starts = np.flatnonzero(np.diff(groups[order], prepend=np.inf))
-    counts = np.diff(starts, append=len(groups))
-    return float(np.median(values[order[starts + counts // 2]]))
+    from scipy.ndimage import median
+
+    return float(np.median(median(values, groups, np.unique(groups))))

@@ -59,30 +59,12 @@ def choose_labels(
 ) -> tuple[list[Scan], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
-    Parameters
-    ----------
-    scans : sequence of Scan
-    is_asked : bool
-        Whether the user named the field; it is used whatever its values look like.
-    are_needed : bool
-        Whether the user said that there are labels; a field with a known name is then not doubted.
-    map : map-like callable
-        Maps over the scans, in threads.
+    is_asked: whether the user named the field; it is used whatever its values look like, and
+    InputError is raised if it holds neither whole numbers nor words. are_needed: whether the user
+    said that there are labels; a field with a known name is then not doubted.
 
-    Returns
-    -------
-    scans : list of Scan
-    fields : str
-        The names of the fields used, "" where there are no labels.
-    words : dict
-        Label -> word, where the fields hold words.
-    findings : tuple of Finding
-        The fields that were not used, and why.
-
-    Raises
-    ------
-    InputError
-        If the field that the user named holds neither whole numbers nor words.
+    Also returns the names of the fields used, "" where there are no labels; label -> word, where
+    the fields hold words; and findings that say why fields were not used.
     """
     names: list[str] = []
     findings: list[Finding] = []
@@ -116,19 +98,9 @@ def drop_labels(
 ) -> tuple[list[Scan], tuple[Finding, ...]]:
     """Remove the points of the labels that the user drops, and of soil, pots and the like.
 
-    Parameters
-    ----------
-    scans, words
-        As `choose_labels` returns them.
-    dropped : str
-        Labels to drop, separated by commas.
-    keep_ground : bool
-        Whether labels of `GROUND_WORDS` stay.
-
-    Raises
-    ------
-    InputError
-        If no scan has a label of `dropped`, or a scan has no other labels.
+    scans, words: as `choose_labels` returns them. dropped: labels, separated by commas.
+    keep_ground: whether labels of `GROUND_WORDS` stay. Raises InputError if no scan has a label of
+    `dropped`, or a scan has no other labels.
     """
     asked = set(filter(None, dropped.lower().split(",")))
     ground = set() if keep_ground else GROUND_WORDS
