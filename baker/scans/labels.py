@@ -85,9 +85,9 @@ def choose_labels(
     chosen = [next((name for name in names if name in scan.fields), "") for scan in scans]
     values = {k: scans[k].fields[name] for k, name in enumerate(chosen) if name}
     numbers, words = _numbered(values if is_asked else _without_unlabelled(values))
-    labelled = list(scans)
-    for k, labels in numbers.items():
-        labelled[k] = replace(scans[k], labels=labels)
+    labelled = [
+        replace(scan, labels=numbers[k]) if k in numbers else scan for k, scan in enumerate(scans)
+    ]
     used = ", ".join(excerpt(name) for name in names if name in chosen)
     kept = [finding for finding in findings if finding.doubt or not used]
     return labelled, used, words, tuple(kept)
