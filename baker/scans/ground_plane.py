@@ -1,9 +1,9 @@
 """Find the plane that a plant stands on: soil or a table.
 
 As in the filtering of terrain, RANSAC fits a plane to the lowest points in the cells of a
-horizontal grid. The plane is the ground if it is round and without gaps, hardly any points lie
-below it, and something rises from its middle. Leaves fail: they are narrow, have gaps between them,
-or are joined to the plant at their edge.
+horizontal grid. The plane is the ground if it is round, without gaps and bare for the most part,
+and something rises from its middle. Leaves fail: they are narrow, have gaps between them, or are
+joined to the plant at their edge.
 """
 
 from dataclasses import dataclass
@@ -24,7 +24,6 @@ BELOW_COST = 4  # number of cells in the plane that one cell below it cancels
 MAX_SLOPE = 0.5  # of the ground against the direction of growth: 27 degrees
 MIN_THICKNESS = 0.05  # in widths of a cell, for a plane without any roughness
 THICKNESS = 3.0  # in standard deviations of the ground's roughness
-MAX_BELOW = 0.05  # share of the points that may lie below the ground
 MAX_COVERED = 0.5  # share of the ground's cells that may have points just above them
 MIN_IN_MIDDLE = 0.1  # share of the points just above the ground that are 1/4 radius from its edge
 MIN_SCORE = 0.5  # of a ground
@@ -115,7 +114,7 @@ def _outline(cells: Points, width: float) -> tuple[Points, float]:
 
 
 def _carries_plant(ground: Ground, sample: Points, columns: Points, width: float) -> bool:
-    """Whether nearly nothing lies below the ground, and a plant rises from its middle."""
+    """Whether the ground is bare for the most part, and a plant rises from its middle."""
     _, heights, inside = ground.coordinates(sample)
     thickness, radius = ground.thickness, float(inside.max()) - width
     over = (heights > thickness) & (inside >= 0)
@@ -123,8 +122,7 @@ def _carries_plant(ground: Ground, sample: Points, columns: Points, width: float
     bare = np.unique(columns[(np.abs(heights) <= thickness) & (inside >= 0)])
     covered = np.unique(columns[over & (heights <= 3 * thickness)])
     return bool(
-        (heights < -thickness).mean() <= MAX_BELOW
-        and len(covered) <= MAX_COVERED * len(bare)
+        len(covered) <= MAX_COVERED * len(bare)
         and np.sum(just_above > width + radius / 4) >= max(1, MIN_IN_MIDDLE * len(just_above))
     )
 
