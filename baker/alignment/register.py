@@ -36,10 +36,10 @@ class Alignment:
         """The rotation of each scan in degrees, and the distance that its base was moved."""
         moves = []
         for transform, base in zip(self.transforms, self.bases, strict=True):
-            original = np.linalg.solve(transform, np.append(base, 1.0))[:3]
-            cosine = np.clip((np.trace(transform[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)
-            angle = float(np.degrees(np.arccos(cosine)))
-            moves.append((angle, float(np.linalg.norm(base - original))))
+            rotation, shift = transform[:3, :3], transform[:3, 3]
+            cosine = np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0)
+            distance = np.linalg.norm(base - rotation.T @ (base - shift))
+            moves.append((float(np.degrees(np.arccos(cosine))), float(distance)))
         return moves
 
 

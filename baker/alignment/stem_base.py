@@ -116,10 +116,7 @@ def _likely_base(points: Points, vertical: Vertical) -> Points:
 
 
 def _lowest(points: Points, vertical: Vertical, height: float) -> Points:
-    """(3,) centroid of the lowest of a stem's (N, 3) points, at the height of the lowest one.
-
-    height: of the stem.
-    """
+    """(3,) centroid of the lowest points of a stem of this height, at that of the lowest one."""
     heights = vertical.height(points)
     low = points[heights <= heights.min() + BASE_SHARE * height]
     return vertical.at_height(low.mean(axis=0)[None], heights.min())[0]

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from baker.alignment.pose import Pose
 
-STEP = 5
-YAWS = np.arange(0, 360, STEP)
+YAWS = np.arange(0, 360, 5)
 WIDTH, FINE_WIDTH = 20.0, 5.0  # degrees, standard deviations of the turns of organs
 MIN_SHARE_BY_LABEL = 0.7  # fit of organs paired by label : fit of organs paired freely
 # The fit at a yaw has to exceed the fit at any other yaw so many degrees away by MIN_LEAD. It does

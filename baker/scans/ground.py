@@ -36,27 +36,22 @@ def remove_ground(
         if not any(grounds):
             break
         ground_up, directions = direction, (direction,)
-        description, doubt = _describe(grounds, [scan.name for scan in remaining])
+        having = [scan.name for scan, ground in zip(scans, grounds, strict=True) if ground]
+        description = f"a plane under the plant in {len(having)} of {len(scans)} scans"
         if keep:
             findings.append(Finding("ground", f"{description}, kept as asked"))
             break
+        doubt = ""
+        if 2 * len(having) <= len(scans):
+            doubt = f"the other scans show none, only {', '.join(having)}"
+        elif np.median([ground.score for ground in grounds if ground]) < CERTAIN_SCORE:
+            doubt = "it is not quite round and closed, and may be leaves"
         count = sum(len(scan) for scan in remaining)
         remaining = list(map(_without_ground, remaining, grounds))
         count -= sum(len(scan) for scan in remaining)
         description += f"; its {count:,} points are taken out"
         findings.append(Finding("ground", description, doubt, "--ground keep"))
     return remaining, ground_up, tuple(findings)
-
-
-def _describe(grounds: Sequence[Ground | None], names: Sequence[str]) -> tuple[str, str]:
-    """What was found, and what speaks against it, as texts of a `Finding`."""
-    having = [name for name, ground in zip(names, grounds, strict=True) if ground]
-    doubt = ""
-    if 2 * len(having) <= len(grounds):
-        doubt = f"the other scans show none, only {', '.join(having)}"
-    elif np.median([ground.score for ground in grounds if ground]) < CERTAIN_SCORE:
-        doubt = "it is not quite round and closed, and may be leaves"
-    return f"a plane under the plant in {len(having)} of {len(grounds)} scans", doubt
 
 
 def _find_grounds(

@@ -68,9 +68,10 @@ def choose_labels(
     """
     names: list[str] = []
     findings: list[Finding] = []
-    for name in sorted({name for scan in scans for name in scan.fields}, key=_order):
+    ranks = {name: label_rank(name) for scan in scans for name in scan.fields}
+    for name in sorted(ranks, key=lambda name: (ranks[name] is None, ranks[name] or 0, name)):
         having = [scan for scan in scans if name in scan.fields]
-        is_known = is_asked or label_rank(name) is not None
+        is_known = is_asked or ranks[name] is not None
         if not is_known and (names or min(len(scan) for scan in having) < MIN_SAMPLE):
             continue
         objection = _objection(name, having, is_asked, is_known and are_needed, map)
@@ -127,11 +128,6 @@ def drop_labels(
     count = sum(map(len, scans)) - sum(map(len, remaining))
     listed = ", ".join(f"'{excerpt(text)}'" for text in sorted(removed, key=natural_key))
     return remaining, (Finding("labels", f"{listed}, {count:,} points, taken out"),)
-
-
-def _order(name: str) -> tuple[int, str]:
-    rank = label_rank(name)
-    return (len(RANKS) if rank is None else rank), name
 
 
 def _fraction(values: NDArray) -> float | None:

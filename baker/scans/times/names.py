@@ -145,16 +145,14 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
             raise InputError(f"{place}: '{name}' has a time already.")
         if rows or re.search(r"\d", time):  # the first line may be a header
             rows[name] = place, time
-    listed = dict(zip(rows, _parse([*rows.values()], f"'{path}'"), strict=True))
-    moments = []
+    found = []
     for name in names:
         plain = name.rpartition("/")[2]
         keys = (name, name.rpartition(".")[0], plain, plain.rpartition(".")[0])
-        found = [listed[key] for key in keys if key in listed]
-        if not found:
+        if not (listed := [rows[key] for key in keys if key in rows]):
             raise InputError(f"'{path}' has no line for the scan '{name}'.")
-        moments.append(found[0])
-    return moments
+        found.append(listed[0])
+    return _parse(found, f"'{path}'")
 
 
 def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Moment]:
