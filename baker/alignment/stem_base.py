@@ -95,10 +95,10 @@ def _base_near(position: Points, points: Points, radius: float, vertical: Vertic
 def _likely_base(points: Points, vertical: Vertical) -> Points:
     """(3,) the likely plant base of a scan by itself, from (n, 3) points.
 
-    The tip of a hanging leaf may be as low as the plant base. But the paths from the base to other
-    points lead upwards, except where organs droop, while the paths from the tip first lead up the
-    leaf and then down again. So the base is the low component with the least mean descent on the
-    paths from it to all points.
+    The tip of a hanging leaf may be as low as the plant base. But the paths from the tip to other
+    points first lead up the leaf and then down again, and are longer. So the base is the low
+    component with the least sum of the longest path from it and of the mean descent on all paths:
+    the right one in each of 8 scans of 166 real ones with several.
     """
     from scipy.sparse.csgraph import connected_components, dijkstra
 
@@ -106,13 +106,14 @@ def _likely_base(points: Points, vertical: Vertical) -> Points:
     height = np.ptp(heights)
     low = np.flatnonzero(heights <= heights.min() + LOW_SHARE * height)
     _, component = connected_components(graph[low][:, low], directed=False)
-    starts, ends = graph.nonzero()
-    graph.data = np.maximum(heights[starts] - heights[ends], MIN_LENGTH)
     sizes = np.bincount(component)
     parts = [low[component == n] for n in np.flatnonzero(sizes >= MIN_PART_SHARE * sizes.max())]
     lowest = [part[np.argmin(heights[part])] for part in parts]
+    longest = dijkstra(graph, indices=lowest).max(axis=1)
+    starts, ends = graph.nonzero()
+    graph.data = np.maximum(heights[starts] - heights[ends], MIN_LENGTH)
     descent = dijkstra(graph, indices=lowest).mean(axis=1)
-    return _lowest(points[parts[np.argmin(descent)]], vertical, height)
+    return _lowest(points[parts[np.argmin(longest + descent)]], vertical, height)
 
 
 def _lowest(points: Points, vertical: Vertical, height: float) -> Points:
