@@ -211,7 +211,6 @@ def _shortest_bridges(
     The numbers of any two components differ in some bit, so the nearest point in another component
     is found with one pair of KD-trees for each bit.
     """
-    from scipy.ndimage import minimum_position
     from scipy.sparse import coo_matrix
     from scipy.spatial import KDTree
 
@@ -225,7 +224,8 @@ def _shortest_bridges(
             is_nearer = to_target < distance[source]
             distance[source[is_nearer]] = to_target[is_nearer]
             foreign[source[is_nearer]] = target[index[is_nearer]]
-    best = np.ravel(minimum_position(distance, component, range(components)))
+    by_component = np.lexsort((distance, component))
+    best = by_component[np.unique(component[by_component], return_index=True)[1]]
     # Two components may have the same shortest edge, which is added once.
     edges = np.unique(np.sort(np.stack([best, foreign[best]]), axis=0), axis=1)
     lengths = np.linalg.norm(np.subtract(*points[edges].astype(np.float64)), axis=1)
