@@ -22,14 +22,13 @@ class Pose(NamedTuple):
     """
 
     frame: NDArray[np.float64]  # (4, 4) transform from the scan's coordinates to this frame
-    base: NDArray[np.float64]  # (3,) plant base in the scan's coordinates
     height: float
     centers: NDArray[np.float64]  # (k, 3) centroids of the organs
     names: NDArray[np.int64]  # (k,) labels of the organs, arbitrary if the scan has no labels
 
 
 def pose_at(
-    sample: EvenSample, vertical: Vertical, base: NDArray[np.float64], stem: int | None
+    sample: EvenSample, base: NDArray[np.float64], stem: int | None, vertical: Vertical
 ) -> Pose:
     """The pose of a scan with a (3,) plant base. stem: the stem's label, None without labels."""
     rotation = upright(vertical)
@@ -40,7 +39,7 @@ def pose_at(
     names, counts = np.unique(organ[organ != axis], return_counts=True)
     names = names[counts >= MIN_POINTS_OF_ORGAN]
     centers = np.array([points[organ == name].mean(axis=0) for name in names]).reshape(-1, 3)
-    return Pose(frame, base, float(np.ptp(points[:, 2])), centers, names)
+    return Pose(frame, float(np.ptp(points[:, 2])), centers, names)
 
 
 def transform_onto(earlier: Pose, later: Pose, yaw: float) -> NDArray[np.float64]:

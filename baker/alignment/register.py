@@ -7,9 +7,9 @@ from itertools import accumulate, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.alignment.frames import best_poses, frame_finding, share_frame
+from baker.alignment.frames import frame_finding, share_frame
 from baker.alignment.icp import trimmed_icp
-from baker.alignment.pose import Pose, transform_onto
+from baker.alignment.pose import Pose, pose_at, transform_onto
 from baker.alignment.sample import EvenSample, even_sample
 from baker.alignment.stem_base import common_base, stem_labels
 from baker.alignment.unlike_scans import unlike_scans
@@ -19,14 +19,16 @@ from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.up_axis import Vertical
 from baker.scans.scan import Finding, Scan, Series
 
+Array = NDArray[np.float64]
+
 
 @dataclass(frozen=True)
 class Alignment:
     """The transforms of the scans of a series to one frame, that of the first scan."""
 
     up: str  # the direction of growth: "x", "y", "z", "-x", "-y" or "-z"
-    transforms: tuple[NDArray[np.float64], ...]  # (4, 4) from each scan's coordinates
-    bases: tuple[NDArray[np.float64], ...]  # (3,) plant base of each scan, in the common frame
+    transforms: tuple[Array, ...]  # (4, 4) from each scan's coordinates
+    bases: tuple[Array, ...]  # (3,) plant base of each scan, in the common frame
     findings: tuple[Finding, ...] = ()  # about the up axis, the frame and unlike scans
 
     @property
@@ -34,10 +36,10 @@ class Alignment:
         """The rotation of each scan in degrees, and the distance that its base was moved."""
         moves = []
         for transform, base in zip(self.transforms, self.bases, strict=True):
-            original = np.linalg.solve(transform, np.append(base, 1.0))[:3]
-            cosine = np.clip((np.trace(transform[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)
-            angle = float(np.degrees(np.arccos(cosine)))
-            moves.append((angle, float(np.linalg.norm(base - original))))
+            rotation, shift = transform[:3, :3], transform[:3, 3]
+            cosine = np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0)
+            distance = np.linalg.norm(base - rotation.T @ (base - shift))
+            moves.append((float(np.degrees(np.arccos(cosine))), float(distance)))
         return moves
 
 
@@ -86,46 +88,47 @@ def align(
     direction, findings = find_up(samples, up, series.ground_up)
     vertical = Vertical.named(direction)
     stems = stem_labels(samples, vertical) if labelled else [None] * len(scans)
-    places, in_place = common_base(samples, stems, vertical)
+    bases, in_place = common_base(samples, stems, vertical)
     if root is not None:
-        places[0] = np.asarray(root, float)[None]
-    bases = [place[0] for place in places]
-    transforms = [np.eye(4) for _ in samples]
-    for transform, sample in zip(transforms, samples, strict=True):
-        transform[:3, 3] = sample.offset
+        bases[0] = root
+    offsets = np.array([sample.offset for sample in samples])
+    transforms = np.tile(np.eye(4), (len(scans), 1, 1))
+    transforms[:, :3, 3] = offsets
     if method == "icp":
         steps = [trimmed_icp(*pair) for pair in pairwise(samples)]
-        transforms = list(accumulate(steps, np.matmul, initial=np.eye(4)))
+        transforms = np.array([*accumulate(steps, np.matmul, initial=np.eye(4))])
     elif method == "none":
         remote = ", ".join(sample.name for sample in samples if sample.offset.any())
         doubt = f"{remote} lies so far from the first scan that positions are rounded"
         doubt = doubt if remote else ""
         findings.append(Finding("frame", "left as it is, as asked", doubt, "--align auto"))
     elif len(scans) > 1:
-        poses = best_poses(samples, places, vertical, stems)
-        bases = [pose.base for pose in poses]
+        poses = [pose_at(*each, vertical) for each in zip(samples, bases, stems, strict=True)]
         fit = fit_yaws(poses, labelled)
-        stays = method == "auto" and share_frame(fit, in_place)
-        fixed, asked = in_place & stays, method == "turn"
-        transforms = _register_scans(poses, fit, transforms, fixed)
-        findings.append(frame_finding(samples, poses, fit, transforms, fixed, series.length, asked))
+        stays = in_place & (method == "auto" and share_frame(fit, in_place))
+        transforms = _register_scans(poses, fit, transforms, stays)
+        moves = _placed(bases, transforms) - bases - offsets
+        findings.append(
+            frame_finding(samples, moves, fit, stays, series.length, asked=method == "turn")
+        )
     findings += unlike_scans(samples, transforms)
     progress("aligning", total, total)
-    aligned = [t[:3, :3] @ base + t[:3, 3] for t, base in zip(transforms, bases, strict=True)]
-    return Alignment(direction, tuple(transforms), tuple(aligned), tuple(findings))
+    return Alignment(direction, (*transforms,), (*_placed(bases, transforms),), (*findings,))
+
+
+def _placed(bases: Array, transforms: Array) -> Array:
+    """(S, 3) the base of each scan in the common frame."""
+    return np.einsum("sij,sj->si", transforms[:, :3, :3], bases) + transforms[:, :3, 3]
 
 
 def _register_scans(
-    poses: Sequence[Pose],
-    fit: YawFit,
-    given: Sequence[NDArray[np.float64]],
-    stays: NDArray[np.bool_],
-) -> list[NDArray[np.float64]]:
-    """The transform of each scan to the frame of the first one, that given where the scan stays.
+    poses: Sequence[Pose], fit: YawFit, given: Array, stays: NDArray[np.bool_]
+) -> Array:
+    """(S, 4, 4) transforms to the frame of the first scan, those given where scans stay.
 
     Other scans are registered with the nearest scan that stays or, if none does, with the previous.
     """
-    transforms, staying = list(given), np.flatnonzero(stays).tolist()
+    transforms, staying = given.copy(), np.flatnonzero(stays).tolist()
     directions = np.append(0, np.cumsum(fit.places))  # of the scans, as indices in YAWS
     for k in range(0 if staying else 1, len(poses)):
         if not stays[k]:
@@ -133,5 +136,6 @@ def _register_scans(
             yaw = float(YAWS[(directions[k] - directions[to]) % len(YAWS)])
             yaw = exact_yaw(poses[to], poses[k], yaw, fit.by_label)
             transforms[k] = transforms[to] @ transform_onto(poses[to], poses[k], yaw)
-    to_first = np.linalg.inv(transforms[0])
-    return [np.eye(4), *(to_first @ transform for transform in transforms[1:])]
+    transforms[1:] = np.linalg.inv(transforms[0]) @ transforms[1:]
+    transforms[0] = np.eye(4)
+    return transforms

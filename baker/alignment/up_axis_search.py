@@ -1,7 +1,6 @@
 """Find the up axis: a plant has a thin stem at its lowest point, and most of its surface above."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,13 +34,13 @@ def find_up(
     costs = np.mean([_costs(sample) for sample in samples], axis=0)
     best = int(np.argmin(costs + list(NEEDED_LEADS.values())))
     reason = "along it the plants stand on stems" if best else "as scans usually have it"
-    finding = Finding("up", f"{directions[best]}, {reason}")
     other = min(set(range(len(costs))) - {best}, key=costs.__getitem__)
+    doubt = ""
     if costs[other] - costs[best] < CLOSE:
         likely = "rather" if costs[other] < costs[best] else "as well"
         doubt = f"by their shape they might {likely} grow along {directions[other]}"
-        finding = replace(finding, doubt=doubt, option=f"--up {directions[other]}")
-    return directions[best], [finding]
+    found, option = f"{directions[best]}, {reason}", f"--up {directions[other]}"
+    return directions[best], [Finding("up", found, doubt, option if doubt else "")]
 
 
 def upright(vertical: Vertical) -> NDArray[np.float64]:

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from baker.alignment.pose import Pose
 
-STEP = 5
-YAWS = np.arange(0, 360, STEP)
+YAWS = np.arange(0, 360, 5)
 WIDTH, FINE_WIDTH = 20.0, 5.0  # degrees, standard deviations of the turns of organs
 MIN_SHARE_BY_LABEL = 0.7  # fit of organs paired by label : fit of organs paired freely
 # The fit at a yaw has to exceed the fit at any other yaw so many degrees away by MIN_LEAD. It does
@@ -44,22 +43,17 @@ class YawFit(NamedTuple):
 
 
 def fit_yaws(poses: Sequence[Pose], labelled: bool) -> YawFit:
-    """Find the yaws of a series. labelled: whether its organs have labels."""
-    by_label = labelled and labels_are_names(poses)
-    return YawFit(by_label, [direction_curve(*pair, by_label) for pair in pairwise(poses)])
+    """Find the yaws of a series. labelled: whether its organs have labels.
 
-
-def labels_are_names(poses: Sequence[Pose]) -> bool:
-    """Whether an organ has the same label in all scans.
-
-    If so, organs paired by label fit nearly as well, at some yaw, as organs paired freely; if the
-    labels are random, half as well.
+    Organs are paired by label if that fits nearly as well, at some yaw, as pairing them freely. It
+    fits half as well if the labels are random.
     """
-    labelled, free = (
-        sum(direction_curve(*pair, by_label).max() for pair in pairwise(poses))
-        for by_label in (True, False)
-    )
-    return bool(labelled > MIN_SHARE_BY_LABEL * free)
+    fits = [
+        YawFit(by_label, [direction_curve(*pair, by_label) for pair in pairwise(poses)])
+        for by_label in (False, True)[: 1 + labelled]
+    ]
+    free, best = (sum(curve.max() for curve in fit.curves) for fit in (fits[0], fits[-1]))
+    return fits[-1] if best > MIN_SHARE_BY_LABEL * free else fits[0]
 
 
 def direction_curve(earlier: Pose, later: Pose, by_label: bool) -> Curve:
@@ -68,7 +62,7 @@ def direction_curve(earlier: Pose, later: Pose, by_label: bool) -> Curve:
     Organs are paired by label, or by an optimal assignment. They are weighted by their lever, the
     horizontal distance of their centre from the stem. For a bare stem it is 1 at all yaws.
     """
-    fits = np.array([_pair_fits(earlier, later, yaw, by_label).sum() for yaw in YAWS.tolist()])
+    fits = np.array([_fit(earlier, later, yaw, by_label) for yaw in YAWS.tolist()])
     levers = np.hypot(*earlier.centers[:, :2].T)
     return fits / levers.sum() if levers.any() else np.ones(len(YAWS))
 
@@ -76,7 +70,7 @@ def direction_curve(earlier: Pose, later: Pose, by_label: bool) -> Curve:
 def exact_yaw(earlier: Pose, later: Pose, yaw: float, by_label: bool) -> float:
     """Refine a yaw to the nearby one, in steps of half a degree, at which organs fit best."""
     near = wrapped(yaw + FINE_STEPS)
-    fits = [_pair_fits(earlier, later, each, by_label, FINE_WIDTH).sum() for each in near]
+    fits = [_fit(earlier, later, each, by_label, FINE_WIDTH) for each in near]
     return float(near[np.argmax(fits)])
 
 
@@ -93,10 +87,8 @@ def wrapped(degrees: NDArray[Any]) -> NDArray[np.float64]:
     return (degrees + 180.0) % 360.0 - 180.0
 
 
-def _pair_fits(
-    earlier: Pose, later: Pose, yaw: float, by_label: bool, width: float = WIDTH
-) -> NDArray[np.float64]:
-    """The fit of each pair of organs at a yaw, its lever times a Gaussian of its turn.
+def _fit(earlier: Pose, later: Pose, yaw: float, by_label: bool, width: float = WIDTH) -> float:
+    """The fit at a yaw: the sum over pairs of organs of their lever times a Gaussian of their turn.
 
     So organs that turned, are new or lost don't count. The fit of organs that are paired freely is
     also reduced by their difference in height.
@@ -108,10 +100,8 @@ def _pair_fits(
     turns = wrapped(azimuths[1] + yaw - azimuths[0][:, None])
     fits = np.minimum(levers[0][:, None], levers[1]) * np.exp(-0.5 * (turns / width) ** 2)
     if by_label:
-        pairs = np.nonzero(earlier.names[:, None] == later.names)
-    else:
-        rise = later.centers[:, 2] - earlier.centers[:, 2][:, None]
-        height = max(earlier.height, float(np.finfo(np.float32).tiny))
-        fits *= np.exp(-0.5 * (rise / height) ** 2)
-        pairs = linear_sum_assignment(-fits)
-    return fits[pairs]
+        return float(fits[earlier.names[:, None] == later.names].sum())
+    rise = later.centers[:, 2] - earlier.centers[:, 2][:, None]
+    height = max(earlier.height, float(np.finfo(np.float32).tiny))
+    fits *= np.exp(-0.5 * (rise / height) ** 2)
+    return float(fits[linear_sum_assignment(-fits)].sum())

@@ -1,7 +1,6 @@
 """The connected kNN graph of a point cloud, its geodesics and merge trees."""
 
 from collections.abc import Mapping
-from itertools import permutations
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -218,8 +217,9 @@ def _shortest_bridges(
     count = len(points)
     distance, foreign = np.full(count, np.inf), np.zeros(count, np.intp)
     for bit in range(int(components - 1).bit_length()):
-        sides = [np.flatnonzero((component >> bit & 1) == value) for value in (0, 1)]
-        for source, target in permutations(sides):
+        for value in (0, 1):
+            is_source = (component >> bit & 1) == value
+            source, target = np.flatnonzero(is_source), np.flatnonzero(~is_source)
             to_target, index = KDTree(points[target]).query(points[source])
             is_nearer = to_target < distance[source]
             distance[source[is_nearer]] = to_target[is_nearer]

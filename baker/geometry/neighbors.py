@@ -31,16 +31,12 @@ class Neighbors:
         return float(np.median(self.distances[:, 0])) if self.distances.size else 0.0
 
     @property
-    def reach(self) -> NDArray[np.float32]:
-        """(N,) float32, the distance to the 8th neighbour, or to the last one."""
-        if not self.distances.size:
-            return np.zeros(len(self.distances), np.float32)
-        return self.distances[:, :NEIGHBORS_FOR_REACH][:, -1]
-
-    @property
     def inliers(self) -> NDArray[np.bool_]:
-        """(N,) bool, whether a point's reach is at most ten times the median reach."""
-        return self.reach <= OUTLIER_RATIO * np.median(self.reach)
+        """(N,) bool, whether the 8th (or last) neighbour is at most ten times as far as usual."""
+        if not self.distances.size:
+            return np.ones(len(self.distances), bool)
+        reach = self.distances[:, :NEIGHBORS_FOR_REACH][:, -1]
+        return reach <= OUTLIER_RATIO * np.median(reach)
 
     def first(self, k: int) -> "Neighbors":
         """The k nearest of these neighbours; they do not keep the others in memory."""

@@ -115,9 +115,8 @@ def downsample(scan: Scan, voxel: float) -> Scan:
     size = np.bincount(group)
     mean = np.stack([np.bincount(group, axis) / size for axis in scan.points.T], axis=1)
     distance = ((scan.points - mean[group]) ** 2).sum(axis=1)
-    nearest_first = np.lexsort((distance, group))
-    _, first = np.unique(group[nearest_first], return_index=True)
-    return _keep(scan, np.sort(nearest_first[first]), f"to keep one for each voxel of {voxel:.6g}")
+    nearest = np.lexsort((distance, group))[np.cumsum(size) - size]
+    return _keep(scan, np.sort(nearest), f"to keep one for each voxel of {voxel:.6g}")
 
 
 def resampled(scan: Scan, count: int) -> Scan:

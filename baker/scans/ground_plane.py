@@ -1,13 +1,12 @@
-"""Find the plane that a plant stands on: soil, a table, or the soil in a pot.
+"""Find the plane that a plant stands on: soil or a table.
 
 As in the filtering of terrain, RANSAC fits a plane to the lowest points in the cells of a
-horizontal grid. The plane is the ground if it is round and without gaps, hardly any points lie
-below it, and something rises from its middle. Leaves fail: they are narrow, have gaps between them,
-or are joined to the plant at their edge. The soil in a pot is searched for in slices of all
-heights, from the highest points in the cells; the pot below it must be about as wide.
+horizontal grid. The plane is the ground if it is round, without gaps and bare for the most part,
+and something rises from its middle. Leaves fail: they are narrow, have gaps between them, or are
+joined to the plant at their edge.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,15 +24,9 @@ BELOW_COST = 4  # number of cells in the plane that one cell below it cancels
 MAX_SLOPE = 0.5  # of the ground against the direction of growth: 27 degrees
 MIN_THICKNESS = 0.05  # in widths of a cell, for a plane without any roughness
 THICKNESS = 3.0  # in standard deviations of the ground's roughness
-MAX_BELOW = 0.05  # share of the points that may lie below the ground
 MAX_COVERED = 0.5  # share of the ground's cells that may have points just above them
 MIN_IN_MIDDLE = 0.1  # share of the points just above the ground that are 1/4 radius from its edge
-MIN_SCORE, MIN_POT_SCORE = 0.5, 0.7  # of a ground, and of the soil in a pot
-SLICES, OVERLAP = 24, 1.5  # of the height, in which a pot's soil is searched for; their thickness
-MIN_FILLED = 0.55  # share of a slice's cells that have points; a disc of soil fills 0.79
-MIN_IN_POT = 0.05  # share of the points that lie below the soil of a pot
-POT_EDGE = 0.5  # in radii, from the edge of the soil: their median distance is at most this
-RIM_WIDTH, RIM_SECTORS, MIN_RIM = 0.2, 32, 0.7  # in radii; of a ring; share of sectors with points
+MIN_SCORE = 0.5  # of a ground
 
 
 @dataclass(frozen=True)
@@ -45,8 +38,6 @@ class Ground:
     thickness: float  # greatest distance of the ground's points above and below `height`
     outline: Points  # (E, 3) a, b, c of the lines around it: a x + b y + c <= 0 inside
     score: float  # how round and free of gaps it is, from 0 to 1
-    margin: float = 0.0  # half the width of the pot's wall, on both sides of the outline
-    rim: float = 0.0  # height of the pot's rim above the soil
 
     def coordinates(self, points: Points) -> tuple[Points, Points, Points]:
         """Rotate (N, 3) points into `frame`; their (N,) heights and distances inside the edge."""
@@ -64,8 +55,7 @@ class Ground:
 
         rotated, heights, inside = self.coordinates(points)
         held = (heights <= self.thickness) & (inside >= 0)
-        held |= (heights <= self.rim) & (np.abs(inside) <= self.margin)
-        rising = ~held & (heights <= 3 * self.thickness) & (inside >= self.margin)
+        rising = ~held & (heights <= 3 * self.thickness) & (inside >= 0)
         layer = np.flatnonzero(held & (heights >= -self.thickness))
         if min(rising.sum(), len(layer)) > 1:
             spacing = min(point_spacing(points[rising]), point_spacing(points[layer]))
@@ -75,54 +65,27 @@ class Ground:
 
 
 def find_ground(points: Points, up: str) -> Ground | None:
-    """Find the ground below or around a plant.
-
-    Parameters
-    ----------
-    points : (N, 3) float
-    up : str
-        The axis along which the plant grows, roughly.
-
-    Returns
-    -------
-    Ground or None
-        The one of best score; None if there is no ground.
-    """
+    """Find the ground of best score below the (N, 3) points of a plant that grows roughly `up`."""
     vertical = Vertical.named(up)
     frame = _rotation_to_z(vertical.sign * np.eye(3)[vertical.axis])
-    sample = _by_height(np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64), frame)
-    found = [_fit_ground(sample, -np.inf, share) for share in LOW_SHARES]
-    if not any(found):
-        slices = [(k / SLICES, (k + OVERLAP) / SLICES) for k in range(1, SLICES)]
-        found = [_fit_ground(sample, *heights, is_pot=True) for heights in slices]
-    best = max(filter(None, found), key=lambda ground: ground.score, default=None)
-    return best and replace(best, frame=best.frame @ frame)
+    sample = np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64)
+    found = [_fit_ground(sample, frame, share) for share in LOW_SHARES]
+    return max(filter(None, found), key=lambda ground: ground.score, default=None)
 
 
-def _by_height(points: Points, frame: Points) -> Points:
-    """(N, 3) points rotated into a frame, the lowest first."""
-    rotated = points @ frame.T
-    return rotated[np.argsort(rotated[:, 2], kind="stable")]
-
-
-def _fit_ground(sample: Points, low: float, high: float, is_pot: bool = False) -> Ground | None:
-    """Fit a ground to the points between two shares of the height, if they are one."""
-    sign, passes, min_cells, min_score = 1, 2, float(CELLS), MIN_SCORE
-    if is_pot:
-        sign, passes, min_cells, min_score = -1, 1, MIN_FILLED * CELLS**2, MIN_POT_SCORE
-    frame, rotated = np.eye(3), sample
-    for _ in range(passes):  # the second time in a frame in which the ground is level
-        cells, width = _extreme_points(rotated, low, high, sign)
-        if len(cells) < min_cells:
+def _fit_ground(sample: Points, frame: Points, share: float) -> Ground | None:
+    """Fit a ground to the points in the lowest share of the height, if they are one."""
+    for _ in range(2):  # the second time in a frame in which the ground is level
+        cells, width = _lowest_points(sample @ frame.T, share)
+        if len(cells) < CELLS:
             return None
         level, normal = _fit_plane(cells, width)
         if level.sum() < CELLS:
             return None
         rotation = _rotation_to_z(normal)
         frame, cells = rotation @ frame, cells[level] @ rotation.T
-        rotated = _by_height(sample, frame)
     outline, score = _outline(cells[:, :2], width)
-    if score < min_score:
+    if score < MIN_SCORE:
         return None
     ground = Ground(frame, float(np.median(cells[:, 2])), 2 * width, outline, score)
     rotated, heights, inside = ground.coordinates(sample)
@@ -130,15 +93,9 @@ def _fit_ground(sample: Points, low: float, high: float, is_pot: bool = False) -
     columns = np.floor(rotated[:, :2] / width) @ [1e6, 1.0]
     middle = _median_of_medians(columns[near], heights[near])
     deviation = 1.4826 * _median_of_medians(columns[near], np.abs(heights[near] - middle))
-    ground = replace(
-        ground,
-        height=ground.height + middle,
-        thickness=max(THICKNESS * deviation, MIN_THICKNESS * width),
-        margin=RIM_WIDTH * float(inside.max()) if is_pot else 0.0,
-    )
-    if not _carries_plant(ground, sample, columns, width):
-        return None
-    return replace(ground, rim=_rim_height(ground, sample, width)) if is_pot else ground
+    thickness = max(THICKNESS * deviation, MIN_THICKNESS * width)
+    ground = Ground(frame, ground.height + middle, thickness, outline, score)
+    return ground if _carries_plant(ground, sample, columns, width) else None
 
 
 def _outline(cells: Points, width: float) -> tuple[Points, float]:
@@ -157,49 +114,24 @@ def _outline(cells: Points, width: float) -> tuple[Points, float]:
 
 
 def _carries_plant(ground: Ground, sample: Points, columns: Points, width: float) -> bool:
-    """Whether only a pot, if anything, lies below the ground, and a plant rises from its middle."""
+    """Whether the ground is bare for the most part, and a plant rises from its middle."""
     _, heights, inside = ground.coordinates(sample)
     thickness, radius = ground.thickness, float(inside.max()) - width
-    below = heights < -thickness
-    if ground.margin:
-        in_pot = inside[below & (inside >= -ground.margin)]
-        if len(in_pot) < MIN_IN_POT * len(sample) or np.median(in_pot) > POT_EDGE * radius:
-            return False
-        below &= inside < -ground.margin
-    over = (heights > thickness) & (inside >= ground.margin)
+    over = (heights > thickness) & (inside >= 0)
     just_above = inside[over & (heights <= max(2 * thickness, thickness + radius / 6))]
     bare = np.unique(columns[(np.abs(heights) <= thickness) & (inside >= 0)])
     covered = np.unique(columns[over & (heights <= 3 * thickness)])
     return bool(
-        below.mean() <= MAX_BELOW
-        and len(covered) <= MAX_COVERED * len(bare)
+        len(covered) <= MAX_COVERED * len(bare)
         and np.sum(just_above > width + radius / 4) >= max(1, MIN_IN_MIDDLE * len(just_above))
     )
 
 
-def _rim_height(ground: Ground, sample: Points, width: float) -> float:
-    """The height above the soil up to which the wall of the pot has points in most directions."""
-    rotated, heights, inside = ground.coordinates(sample)
-    on_edge = np.abs(inside) <= ground.margin
-    x, y = (rotated[on_edge, :2] - rotated[inside > 0, :2].mean(axis=0)).T
-    sector = np.floor((np.arctan2(y, x) / (2 * np.pi) + 0.5) * RIM_SECTORS)
-    layer = np.floor((heights[on_edge] - ground.thickness) / width)
-    rim = 0
-    while len(np.unique(sector[layer == rim])) >= MIN_RIM * RIM_SECTORS:
-        rim += 1
-    return ground.thickness + rim * width
-
-
-def _extreme_points(rotated: Points, low: float, high: float, sign: int) -> tuple[Points, float]:
-    """The lowest (sign 1) or highest (-1) point in each cell of a grid, and the cells' width.
-
-    Only points between the shares `low` and `high` of the height are used; rotated: by height.
-    """
-    heights = rotated[:, 2]
-    bottom, top = heights[len(heights) // 500], heights[-1]
-    begin = np.searchsorted(heights, bottom + low * ((top - bottom) or 1.0))
-    stop = np.searchsorted(heights, bottom + high * ((top - bottom) or 1.0), "right")
-    points = rotated[begin:stop][::sign]
+def _lowest_points(points: Points, share: float) -> tuple[Points, float]:
+    """The lowest point in each cell of a grid over the lowest share of the height; their width."""
+    bottom, top = np.quantile(points[:, 2], [0.002, 1.0])
+    points = points[points[:, 2] <= bottom + share * ((top - bottom) or 1.0)]
+    points = points[np.argsort(points[:, 2], kind="stable")]
     if len(points) < CELLS:  # too few for a ground
         return points, 1.0
     corner, end = np.quantile(points[:, :2], [0.005, 0.995], axis=0)
@@ -238,7 +170,6 @@ def _rotation_to_z(up: Points) -> Points:
 
 def _median_of_medians(groups: Points, values: Points) -> float:
     """The median of the groups' medians: a stem has many points, but in few groups."""
-    order = np.lexsort((values, groups))
-    starts = np.flatnonzero(np.diff(groups[order], prepend=np.inf))
-    counts = np.diff(starts, append=len(groups))
-    return float(np.median(values[order[starts + counts // 2]]))
+    from scipy.ndimage import median
+
+    return float(np.median(median(values, groups, np.unique(groups))))

@@ -10,23 +10,12 @@ MIN_POINTS_OF_LABEL = 30  # the components of smaller labels are not counted
 
 
 def label_statistics(points: NDArray[np.floating], labels: NDArray) -> tuple[float, float, float]:
-    """Measure how the labels of a scan are spread over its kNN graph.
+    """Measure how the (N,) labels of a scan, numbers or words, are spread over its kNN graph.
 
-    Parameters
-    ----------
-    points : (N, 3) float
-    labels : (N,) ndarray
-        Numbers or words.
-
-    Returns
-    -------
-    agreement : float
-        Cohen's kappa of the labels of nearest neighbours.
-    components : float
-        The median number of connected components of a label. The number is effective (the inverse
-        Simpson index), so that small components count little.
-    steps : float
-        Of the nearest neighbours that differ, the share that differs by one; 0 if labels are few.
+    Returns Cohen's kappa of the labels of nearest neighbours; the median number of connected
+    components of a label, effective (the inverse Simpson index), so that small components count
+    little; and the share that differs by one of the nearest neighbours that differ, 0 if labels are
+    few.
     """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components

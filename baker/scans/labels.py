@@ -9,7 +9,7 @@ share its values as they share organs.
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import chain, compress
+from itertools import compress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,58 +59,36 @@ def choose_labels(
 ) -> tuple[list[Scan], str, dict[int, str], tuple[Finding, ...]]:
     """Take the labels of each scan from the likeliest of its fields.
 
-    Parameters
-    ----------
-    scans : sequence of Scan
-    is_asked : bool
-        Whether the user named the field; it is used whatever its values look like.
-    are_needed : bool
-        Whether the user said that there are labels; a field with a known name is then not doubted.
-    map : map-like callable
-        Maps over the scans, in threads.
+    is_asked: whether the user named the field; it is used whatever its values look like, and
+    InputError is raised if it holds neither whole numbers nor words. are_needed: whether the user
+    said that there are labels; a field with a known name is then not doubted.
 
-    Returns
-    -------
-    scans : list of Scan
-    fields : str
-        The names of the fields used, "" where there are no labels.
-    words : dict
-        Label -> word, where the fields hold words.
-    findings : tuple of Finding
-        The fields that were not used, and why.
-
-    Raises
-    ------
-    InputError
-        If the field that the user named holds neither whole numbers nor words.
+    Also returns the names of the fields used, "" where there are no labels; label -> word, where
+    the fields hold words; and findings that say why fields were not used.
     """
     names: list[str] = []
     findings: list[Finding] = []
-    for name in sorted({name for scan in scans for name in scan.fields}, key=_order):
+    ranks = {name: label_rank(name) for scan in scans for name in scan.fields}
+    for name in sorted(ranks, key=lambda name: (ranks[name] is None, ranks[name] or 0, name)):
         having = [scan for scan in scans if name in scan.fields]
-        is_known = label_rank(name) is not None
-        may_be_taken = is_known or (not names and min(len(scan) for scan in having) >= MIN_SAMPLE)
-        if is_asked:
-            _require_whole(name, having)
+        is_known = is_asked or ranks[name] is not None
+        if not is_known and (names or min(len(scan) for scan in having) < MIN_SAMPLE):
+            continue
+        objection = _objection(name, having, is_asked, is_known and are_needed, map)
+        if objection is None:
             names.append(name)
-        elif may_be_taken:
-            objection = _objection(name, having)
-            if not objection and not (is_known and are_needed):
-                objection = _doubt(name, having, map)
-            if not objection:
-                names.append(name)
-                if not is_known:
-                    reason = "is taken for labels: its values lie together as those of organs do"
-                    doubt = "its name does not say so"
-                    findings.append(_finding(name, reason, doubt, "--labels ignore"))
-            elif is_known and not names:
-                findings.append(objection)
+            if not is_known:
+                reason = "is taken for labels: its values lie together as those of organs do"
+                doubt = "its name does not say so"
+                findings.append(_finding(name, reason, doubt, "--labels ignore"))
+        elif is_known and not names:
+            findings.append(objection)
     chosen = [next((name for name in names if name in scan.fields), "") for scan in scans]
     values = {k: scans[k].fields[name] for k, name in enumerate(chosen) if name}
     numbers, words = _numbered(values if is_asked else _without_unlabelled(values))
-    labelled = list(scans)
-    for k, labels in numbers.items():
-        labelled[k] = replace(scans[k], labels=labels)
+    labelled = [
+        replace(scan, labels=numbers[k]) if k in numbers else scan for k, scan in enumerate(scans)
+    ]
     used = ", ".join(excerpt(name) for name in names if name in chosen)
     kept = [finding for finding in findings if finding.doubt or not used]
     return labelled, used, words, tuple(kept)
@@ -121,19 +99,9 @@ def drop_labels(
 ) -> tuple[list[Scan], tuple[Finding, ...]]:
     """Remove the points of the labels that the user drops, and of soil, pots and the like.
 
-    Parameters
-    ----------
-    scans, words
-        As `choose_labels` returns them.
-    dropped : str
-        Labels to drop, separated by commas.
-    keep_ground : bool
-        Whether labels of `GROUND_WORDS` stay.
-
-    Raises
-    ------
-    InputError
-        If no scan has a label of `dropped`, or a scan has no other labels.
+    scans, words: as `choose_labels` returns them. dropped: labels, separated by commas.
+    keep_ground: whether labels of `GROUND_WORDS` stay. Raises InputError if no scan has a label of
+    `dropped`, or a scan has no other labels.
     """
     asked = set(filter(None, dropped.lower().split(",")))
     ground = set() if keep_ground else GROUND_WORDS
@@ -162,11 +130,6 @@ def drop_labels(
     return remaining, (Finding("labels", f"{listed}, {count:,} points, taken out"),)
 
 
-def _order(name: str) -> tuple[int, str]:
-    rank = label_rank(name)
-    return (len(RANKS) if rank is None else rank), name
-
-
 def _fraction(values: NDArray) -> float | None:
     """The first number that can't be a label; None if all values can."""
     if values.dtype.kind in "iU":
@@ -177,37 +140,31 @@ def _fraction(values: NDArray) -> float | None:
     return None if is_label.all() else float(values[~is_label][0])
 
 
-def _require_whole(name: str, scans: Sequence[Scan]) -> None:
-    """Raise InputError where the field that the user named holds a number that is no label."""
-    for scan in scans:
-        if (value := _fraction(scan.fields[name])) is not None:
+def _objection(
+    name: str, scans: Sequence[Scan], is_asked: bool, is_trusted: bool, map: MapLike
+) -> Finding | None:
+    """The reason why a field is not taken for labels of organs; None if it is.
+
+    is_asked: whether the user named it. is_trusted: whether it is taken wherever its values lie.
+    Raises InputError where the field that the user named holds a number that is no label.
+    """
+    values = [scan.fields[name] for scan in scans]
+    for scan, labels in zip(scans, values, strict=True):
+        if (fraction := _fraction(labels)) is not None:
+            found = f"holds {fraction:g}"
+            if not is_asked:
+                return _finding(name, f"is not used, as it {found}, which is no whole number")
             raise InputError(
-                f"'{scan.path}': the field '{excerpt(name)}' holds {value:g}, but "
-                "labels must be whole numbers or words; choose another field with --label-field, "
-                "or read the scans without labels (--labels ignore)."
+                f"'{scan.path}': the field '{excerpt(name)}' {found}, but labels must be whole "
+                "numbers or words; choose another field with --label-field, or read the scans "
+                "without labels (--labels ignore)."
             )
-
-
-def _objection(name: str, scans: Sequence[Scan]) -> Finding | None:
-    """The reason why the values of a field can't be labels of organs; None if they can."""
-    values = [scan.fields[name] for scan in scans]
-    fraction = next((found for found in map(_fraction, values) if found is not None), None)
-    if fraction is not None:
-        return _finding(name, f"is not used, as it holds {fraction:g}, which is no whole number")
     distinct_of_scan = [np.unique(labels) for labels in values]
+    if not is_asked and max(len(distinct) for distinct in distinct_of_scan) == 1:
+        return _finding(name, "is not used, as it is the same everywhere in a scan")
+    if is_asked or is_trusted:
+        return None
     distinct = np.unique(np.concatenate(distinct_of_scan))
-    if len(distinct) == 1:
-        value = str(distinct[0]).strip().lower().removesuffix(".0")
-        return _finding(name, f"is not used, as it is {value} everywhere")
-    if max(map(len, distinct_of_scan)) == 1:
-        return _finding(name, "is not used, as it is one number in each scan")
-    return None
-
-
-def _doubt(name: str, scans: Sequence[Scan], map: MapLike) -> Finding | None:
-    """The reason why a field does not seem to label organs; None if it does."""
-    values = [scan.fields[name] for scan in scans]
-    distinct = np.unique(np.concatenate([np.unique(labels) for labels in values]))
     texts = [str(value).strip().lower() for value in distinct]
     sampled = np.unique(np.linspace(0, len(scans) - 1, SAMPLED_SCANS).astype(int))
     samples = [scans[k].points for k in sampled], [values[k] for k in sampled]
@@ -236,16 +193,16 @@ def _numbered(
     if not any(labels.dtype.kind == "U" for labels in values.values()):
         numbers = {k: np.nan_to_num(labels, nan=-1) for k, labels in values.items()}
         return {k: labels.astype(np.int64) for k, labels in numbers.items()}, {}
-    coded = {k: np.unique(labels, return_inverse=True) for k, labels in values.items()}
-    texts = {k: [str(label).strip() for label in coded[k][0].tolist()] for k in coded}
+    coded = {k: np.unique(v.astype(str), return_inverse=True) for k, v in values.items()}
+    texts = {text.strip() for distinct, _ in coded.values() for text in distinct.tolist()}
     spelling: dict[str, str] = {}  # lower case -> the first spelling
-    for text in sorted(set(chain(*texts.values())), key=lambda text: (natural_key(text), text)):
+    for text in sorted(texts, key=lambda text: (natural_key(text), text)):
         if text.lower() not in NO_LABEL:
             spelling.setdefault(text.lower(), text)
     number = {word: n for n, word in enumerate(spelling)}
     numbers = {
-        k: np.array([number.get(text.lower(), -1) for text in texts[k]])[index]
-        for k, (_, index) in coded.items()
+        k: np.array([number.get(text.strip().lower(), -1) for text in distinct.tolist()])[index]
+        for k, (distinct, index) in coded.items()
     }
     return numbers, dict(enumerate(spelling.values()))
 

@@ -32,17 +32,17 @@ def require_one_unit(scans: Sequence[Scan], unit: str) -> Finding:
     doubts = []
     for pair in pairwise(range(len(sizes))):
         usual, odd = sorted(pair, key=deviation.__getitem__)
-        ratio = float(np.exp(abs(logs[odd] - logs[usual])))
-        if ratio < LIKELY_RATIO or min(sizes[odd], sizes[usual]) == 0.0:
+        ratio = np.exp(logs[usual] - logs[odd])
+        if 1 / LIKELY_RATIO < ratio < LIKELY_RATIO or min(sizes[odd], sizes[usual]) == 0.0:
             continue
-        factor = min(factors, key=lambda f: abs(np.log(f) + logs[odd] - logs[usual]))
+        factor = min(factors, key=lambda factor: abs(np.log(factor / ratio)))
         name = scans[odd].name
         doubt = (
             f"'{name}' is {rounded[odd]} across, '{scans[usual].name}' {rounded[usual]}, as if they"
             f" were in different units: multiply the coordinates of '{name}' by {factor:g}, or "
             "leave it out"
         )
-        if ratio > MAX_RATIO:
+        if not 1 / MAX_RATIO <= ratio <= MAX_RATIO:
             raise InputError(f"{doubt}.")
         doubts.append(doubt)
     meters = sizes[-1] * METERS.get(unit.lower(), 0.0)

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
-COMMON_YEAR, LEAP_YEAR = "2001", "2000"  # replace a missing year
-ISO, NO_YEAR = "dates", "month and day"  # families of conventions
-WEAK_RANK = 4  # conventions of this rank and above also match numbers that are not times
 DAYS = {"week": 7.0, "day": 1.0, "hour": 1 / 24, "minute": 1 / 1440}
+DATES = "dates"
+WEAK_RANK = 4  # conventions of this rank and above also match numbers that are not times
 
 
 @dataclass(frozen=True)
@@ -28,24 +27,26 @@ class Moment:
 class Convention:
     """One way to write a time.
 
-    what:    its name in messages: "dates (day, month, year)".
-    pattern: the regular expression to search names for.
     rank:    how easily it matches numbers that are not times; lower ranks are preferred.
-    family:  conventions of one family differ only in the order of day, month and year.
+    kind:    what it reads, for messages: "dates", "day numbers".
+    pattern: the regular expression to search names for.
     """
 
-    what: str
-    pattern: re.Pattern[str]
     rank: int
-    family: str
+    kind: str
+    pattern: re.Pattern[str]
 
     @property
     def is_clear(self) -> bool:
         """Whether it hardly ever matches a number that is not a time."""
         return self.rank < WEAK_RANK
 
+    @property
+    def lacks_year(self) -> bool:
+        return {"m", "Y", "y"} & self.pattern.groupindex.keys() == {"m"}
 
-def read_moment(match: re.Match[str]) -> Moment | None:
+
+def read_moment(match: re.Match[str], default_year: str) -> Moment | None:
     """The moment of a match of a convention's pattern; None where there is no such date."""
     found = {name: text for name, text in match.groupdict().items() if text and name != "sep"}
     if numbers := {unit: float(found[unit]) for unit in DAYS if unit in found}:
@@ -55,12 +56,11 @@ def read_moment(match: re.Match[str]) -> Moment | None:
         return _dated(EPOCH + timedelta(seconds=int(found["unix"])), "%Y-%m-%d %H:%M:%S")
     shown = "%Y-%m-%d" + " %H:%M" * ("H" in found) + ":%S" * ("S" in found)
     if "m" in found:
-        name, day = found["m"].lower(), found.setdefault("d", "1")
-        month = int(name) if name.isdecimal() else MONTHS.get(name, 0)
-        found["m"] = str(month)
+        name = found["m"].lower()
+        found["m"] = name if name.isdecimal() else str(MONTHS.get(name, 0))
+        found.setdefault("d", "1")
         if not {"Y", "y"} & found.keys():
-            found["Y"] = LEAP_YEAR if (month, int(day)) == (2, 29) else COMMON_YEAR
-            shown = "%m-%d"
+            found["Y"], shown = default_year, "%m-%d"
     if "V" in found:
         found.setdefault("u", "1")
     form = " ".join(f"%{directive}" for directive in found)
@@ -108,26 +108,21 @@ FIELDS = {
 }
 
 
-def _convention(rank: int, family: str, form: str) -> Convention:
+def _convention(rank: int, kind: str, form: str) -> Convention:
     """A convention whose pattern is `form` with `FIELDS` filled in, not next to other digits."""
-    pattern = re.compile(rf"(?<!\d){form.format(**FIELDS)}(?!\d)", re.IGNORECASE)
-    words = {"d": "day", "m": "month", "Y": "year", "y": "year"}
-    order = ", ".join({words[group]: 0 for group in pattern.groupindex if group in words})
-    has_orders = "m" in pattern.groupindex and family != ISO
-    return Convention(f"dates ({order})" if has_orders else family, pattern, rank, family)
+    pattern = rf"(?<!\d){form.format(**FIELDS)}(?!\d)"
+    return Convention(rank, kind, re.compile(pattern, re.IGNORECASE))
 
 
 def _numbers(unit: str, prefixes: str, suffixes: str) -> list[Convention]:
     """Conventions of numbers with a unit before (DAS10, week 2) or after them (12DAT, 3dpi)."""
-    what, number = f"{unit} numbers", rf"(?P<{unit}>\d+(?:\.\d+)?)"
-    return [
-        Convention(what, re.compile(pattern, re.IGNORECASE), rank, what)
-        for rank, pattern in (
-            (2, rf"(?<![a-z0-9])(?:{prefixes})[ _.-]?{number}"),
-            (2, rf"(?<![\d.]){number}{FIELDS['th']}[ _-]?(?:{suffixes})(?![a-z0-9])"),
-            (WEAK_RANK, rf"(?<=\d)(?:{prefixes})(?P<{unit}>\d+)"),  # P3D12
-        )
-    ]
+    number = rf"(?P<{unit}>\d+(?:\.\d+)?)"
+    patterns = (
+        (2, rf"(?<![a-z0-9])(?:{prefixes})[ _.-]?{number}"),
+        (2, rf"(?<![\d.]){number}{FIELDS['th']}[ _-]?(?:{suffixes})(?![a-z0-9])"),
+        (WEAK_RANK, rf"(?<=\d)(?:{prefixes})(?P<{unit}>\d+)"),  # P3D12
+    )
+    return [Convention(r, f"{unit} numbers", re.compile(p, re.IGNORECASE)) for r, p in patterns]
 
 
 # Days after sowing, planting, transplanting, germination, emergence, inoculation, infection.
@@ -137,40 +132,37 @@ _DAY_WORDS = r"days?[ _-]after[ _-][a-z]+|doy|day[ _-]?of[ _-]?year|jd|j\+?|第"
 _WEEKS = "weeks?|wk|w|wochen?|wa[sptgeif]|wp[iagsp]"
 _HOURS = "hours?|hrs?|h|hp[ig]|ha[igs]"
 CONVENTIONS = (
-    _convention(0, ISO, r"{Y}(?P<sep>[-_.]?){mm}(?P=sep){dd}{clock}"),
+    _convention(0, DATES, r"{Y}(?P<sep>[-_.]?){mm}(?P=sep){dd}{clock}"),
+    _convention(1, DATES, r"{Y}(?P<sep>[-_.]){m}(?P=sep){d}{clock}"),
+    _convention(1, DATES, r"{Y}年{m}月{d}日?{clock}"),
+    _convention(1, DATES, r"{d}{th}[-_. ]*{name}[-_. ]*(?:{Y}|{y}){clock}"),
+    _convention(1, DATES, r"{name}[-_. ]*{d}{th}[-_., ]+{Y}{clock}"),
+    _convention(1, DATES, r"{Y}[-_. ]*{name}[-_. ]*{d}{clock}"),
+    _convention(1, DATES, r"{d}(?P<sep>[-_. ]){m}(?P=sep){Y}{clock}"),
+    _convention(1, DATES, r"{m}(?P<sep>[-_. ]){d}(?P=sep){Y}{clock}"),
+    _convention(1, DATES, r"{dd}{mm}{Y}{clock}"),
+    _convention(1, DATES, r"{mm}{dd}{Y}{clock}"),
+    _convention(1, "weeks and days", r"(?<![a-z0-9]){week_and_day}"),
     _convention(2, "years and weeks", r"{week_of_year}(?:-?(?P<u>[1-7]))?"),
-    _convention(1, "year first", r"{Y}(?P<sep>[-_.]){m}(?P=sep){d}{clock}"),
-    _convention(1, "year first", r"{Y}年{m}月{d}日?{clock}"),
-    _convention(1, "named", r"{d}{th}[-_. ]*{name}[-_. ]*(?:{Y}|{y}){clock}"),
-    _convention(1, "named", r"{name}[-_. ]*{d}{th}[-_., ]+{Y}{clock}"),
-    _convention(1, "named", r"{Y}[-_. ]*{name}[-_. ]*{d}{clock}"),
-    _convention(1, "year", r"{d}(?P<sep>[-_. ]){m}(?P=sep){Y}{clock}"),
-    _convention(1, "year", r"{m}(?P<sep>[-_. ]){d}(?P=sep){Y}{clock}"),
-    _convention(1, "eight digits", r"{dd}{mm}{Y}{clock}"),
-    _convention(1, "eight digits", r"{mm}{dd}{Y}{clock}"),
     *_numbers("day", f"{_DAYS}|{_DAY_WORDS}", _DAYS),
     *_numbers("week", f"{_WEEKS}|[kc]w", _WEEKS),
     *_numbers("hour", _HOURS, _HOURS),
     *_numbers("minute", "minutes?|mins?", "minutes?|mins?"),
-    _convention(1, "weeks and days", r"(?<![a-z0-9]){week_and_day}"),
-    _convention(3, "short", r"{d}(?P<sep>[-.]){m}(?P=sep){y}{clock}"),
-    _convention(3, "short", r"{y}(?P<sep>[-.]){m}(?P=sep){dd}{clock}"),
-    _convention(3, "short", r"{m}(?P<sep>[-.]){d}(?P=sep){y}{clock}"),
-    _convention(WEAK_RANK, "short", "{dd}_{mm}_{y}{clock}"),
-    _convention(WEAK_RANK, "short", "{y}_{mm}_{dd}{clock}"),
-    _convention(WEAK_RANK, "short", "{mm}_{dd}_{y}{clock}"),
+    _convention(3, DATES, r"{d}(?P<sep>[-.]){m}(?P=sep){y}{clock}"),
+    _convention(3, DATES, r"{y}(?P<sep>[-.]){m}(?P=sep){dd}{clock}"),
+    _convention(3, DATES, r"{m}(?P<sep>[-.]){d}(?P=sep){y}{clock}"),
     _convention(3, "unix times", r"(?P<unix>1\d{{9}})(?:\d{{3}})?"),
     _convention(WEAK_RANK, "years and days of the year", r"{Y}[-_. ]?(?P<j>\d\d\d)"),
-    _convention(WEAK_RANK, "six digits", "{y}{mm}{dd}{clock}"),
-    _convention(WEAK_RANK, "six digits", "{dd}{mm}{y}{clock}"),
-    _convention(WEAK_RANK, "six digits", "{mm}{dd}{y}{clock}"),
-    _convention(WEAK_RANK, NO_YEAR, r"{d}{th}[-_. ]*{name}{no_letter}"),
-    _convention(WEAK_RANK, NO_YEAR, r"{after_no_letter}{name}[-_. ]*{d}"),
-    _convention(WEAK_RANK, NO_YEAR, "{m}月{d}日?"),
-    _convention(WEAK_RANK, "months", r"{name}[-_. ]*{Y}{clock}"),
-    _convention(WEAK_RANK, "months", r"{Y}[-_. ]*{name}{no_letter}{clock}"),
-    _convention(WEAK_RANK + 1, NO_YEAR, r"{after_no_letter}{name}{no_letter}"),
-    _convention(WEAK_RANK + 1, NO_YEAR, "{mm}-?{dd}"),
-    _convention(WEAK_RANK + 1, NO_YEAR, "{dd}-?{mm}"),
-    _convention(WEAK_RANK + 1, NO_YEAR, r"{d}\.{mm}\.?(?!\.?\d)"),
+    _convention(WEAK_RANK, DATES, "{dd}(?P<sep>_?){mm}(?P=sep){y}{clock}"),
+    _convention(WEAK_RANK, DATES, "{y}(?P<sep>_?){mm}(?P=sep){dd}{clock}"),
+    _convention(WEAK_RANK, DATES, "{mm}(?P<sep>_?){dd}(?P=sep){y}{clock}"),
+    _convention(WEAK_RANK, DATES, r"{d}{th}[-_. ]*{name}{no_letter}"),
+    _convention(WEAK_RANK, DATES, r"{after_no_letter}{name}[-_. ]*{d}"),
+    _convention(WEAK_RANK, DATES, "{m}月{d}日?"),
+    _convention(WEAK_RANK, DATES, r"{name}[-_. ]*{Y}{clock}"),
+    _convention(WEAK_RANK, DATES, r"{Y}[-_. ]*{name}{no_letter}{clock}"),
+    _convention(WEAK_RANK + 1, DATES, r"{after_no_letter}{name}{no_letter}"),
+    _convention(WEAK_RANK + 1, DATES, "{mm}-?{dd}"),
+    _convention(WEAK_RANK + 1, DATES, "{dd}-?{mm}"),
+    _convention(WEAK_RANK + 1, DATES, r"{d}\.{mm}\.?(?!\.?\d)"),
 )

@@ -16,15 +16,10 @@ from typing import Self
 import numpy as np
 
 from baker.errors import InputError, input_errors
-from baker.scans.times.conventions import (
-    CONVENTIONS,
-    NO_YEAR,
-    Convention,
-    Moment,
-    read_moment,
-)
+from baker.scans.times.conventions import CONVENTIONS, Convention, Moment, read_moment
 from gclip.config_file import read_text
 
+DEFAULT_YEARS = ("2001", "2000")  # of dates without a year; the second one has a 29 February
 MAX_GAP_WITHIN_YEAR = 183  # days; after a longer gap, dates without a year are in the year before
 MAX_SPAN = 1100  # days from first to last; numbers that span more are not dates
 MAX_TIME_CHARACTERS = 100
@@ -45,25 +40,28 @@ class Reading:
     doubt: str = ""
 
     @property
+    def times(self) -> list[float]:
+        return [moment.time for moment in self.moments]
+
+    @property
     def are_distinct(self) -> bool:
         """Whether no two scans have the same time."""
-        return len({moment.time for moment in self.moments}) == len(self.moments)
-
-    def contradicts(self, other: Self) -> bool:
-        """Whether other times of the same kind, or of another part of the names, are as likely."""
-        if self.length > MAX_SPAN:
-            return False
-        if self.convention.family == other.convention.family:
-            return self.moments != other.moments
-        (start, stop), (other_start, other_stop) = self.spans[0], other.spans[0]
-        orders = [np.argsort([m.time for m in read.moments]).tolist() for read in (self, other)]
-        is_separate = stop <= other_start or other_stop <= start
-        return self.convention.is_clear and is_separate and orders[0] != orders[1]
+        return len(set(self.times)) == len(self.times)
 
     @property
     def length(self) -> float:
         """Days from the first to the last scan."""
-        return float(np.ptp([moment.time for moment in self.moments]))
+        return max(self.times) - min(self.times)
+
+    def contradicts(self, best: Self) -> bool:
+        """Whether other times of the same kind, or of another part of the names, are as likely."""
+        mine, others = self.convention, best.convention
+        if (mine.rank, mine.kind) == (others.rank, others.kind):
+            return self.times != best.times
+        (start, stop), (best_start, best_stop) = self.spans[0], best.spans[0]
+        is_separate = stop <= best_start or best_stop <= start
+        orders = [np.argsort(reading.times).tolist() for reading in (self, best)]
+        return mine.is_clear and is_separate and orders[0] != orders[1]
 
 
 def read_times(texts: Sequence[str]) -> Reading | None:
@@ -84,7 +82,16 @@ def read_times(texts: Sequence[str]) -> Reading | None:
         clear = [reading for reading in readings if reading.convention.is_clear]
         return next((reading for reading in clear if not _is_shared(reading, texts)), None)
     best = min(distinct, key=lambda read: (read.convention.rank, read.spans[0][0], read.length))
-    return replace(best, doubt=_doubt(best, distinct, texts[0]))
+    others = [each for each in distinct if each.length <= MAX_SPAN and each.contradicts(best)]
+    doubt = ""
+    if others:
+        other = min(others, key=lambda reading: reading.length)
+        dates = [moment.date for moment in sorted(other.moments, key=lambda moment: moment.time)]
+        doubt = f"the names can also be read as {other.convention.kind}, {dates[0]} to {dates[-1]}"
+    elif not best.convention.is_clear:
+        start, stop = best.spans[0]
+        doubt = f"'{texts[0][start:stop]}' was taken for {best.moments[0].date}"
+    return replace(best, doubt=doubt)
 
 
 def has_time(text: str) -> bool:
@@ -95,11 +102,13 @@ def has_time(text: str) -> bool:
 def _readings(convention: Convention, texts: Sequence[str]) -> Iterator[Reading]:
     """Read the first match in all texts, then the second in all, and so on."""
     for matches in zip(*map(convention.pattern.finditer, texts), strict=False):
-        moments = [moment for moment in map(read_moment, matches) if moment is not None]
-        if len(moments) == len(texts):
-            if convention.family == NO_YEAR:
-                moments = _across_new_year(moments)
-            yield Reading(tuple(moments), tuple(match.span() for match in matches), convention)
+        for year in DEFAULT_YEARS:
+            moments = tuple(filter(None, (read_moment(match, year) for match in matches)))
+            if len(moments) == len(texts):
+                if convention.lacks_year:
+                    moments = _across_new_year(moments)
+                yield Reading(moments, tuple(match.span() for match in matches), convention)
+                break
 
 
 def _is_shared(reading: Reading, texts: Sequence[str]) -> bool:
@@ -108,26 +117,11 @@ def _is_shared(reading: Reading, texts: Sequence[str]) -> bool:
     return reading.length == 0 and not reading.moments[0].dated and len(rest) == len(texts)
 
 
-def _doubt(best: Reading, readings: Sequence[Reading], first: str) -> str:
-    """How else the times may be read; `first` is the first name."""
-    if others := [reading for reading in readings if reading.contradicts(best)]:
-        other = min(others, key=lambda reading: reading.length)
-        moments = sorted(other.moments, key=lambda moment: moment.time)
-        span = f"from {moments[0].date} to {moments[-1].date}"
-        return f"the names can also be read as {other.convention.what}, {span}"
-    start, stop = best.spans[0]
-    taken = f"'{first[start:stop]}' was taken for {best.moments[0].date}"
-    return "" if best.convention.is_clear else taken
-
-
-def _across_new_year(moments: list[Moment]) -> list[Moment]:
+def _across_new_year(moments: tuple[Moment, ...]) -> tuple[Moment, ...]:
     """Move dates without a year that precede a gap of half a year into the next year."""
     times = sorted(moment.time for moment in moments)
-    breaks = [b for a, b in pairwise(times) if b - a > MAX_GAP_WITHIN_YEAR]
-    return [
-        replace(moment, time=moment.time + 365) if breaks and moment.time < breaks[-1] else moment
-        for moment in moments
-    ]
+    after_gap = max((b for a, b in pairwise(times) if b - a > MAX_GAP_WITHIN_YEAR), default=-np.inf)
+    return tuple(replace(m, time=m.time + 365 * (m.time < after_gap)) for m in moments)
 
 
 def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
@@ -151,16 +145,14 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
             raise InputError(f"{place}: '{name}' has a time already.")
         if rows or re.search(r"\d", time):  # the first line may be a header
             rows[name] = place, time
-    listed = dict(zip(rows, _parse([*rows.values()], f"'{path}'"), strict=True))
-    moments = []
+    found = []
     for name in names:
         plain = name.rpartition("/")[2]
         keys = (name, name.rpartition(".")[0], plain, plain.rpartition(".")[0])
-        found = [listed[key] for key in keys if key in listed]
-        if not found:
+        if not (listed := [rows[key] for key in keys if key in rows]):
             raise InputError(f"'{path}' has no line for the scan '{name}'.")
-        moments.append(found[0])
-    return moments
+        found.append(listed[0])
+    return _parse(found, f"'{path}'")
 
 
 def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Moment]:
@@ -171,30 +163,20 @@ def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Mom
 
 
 def _parse(rows: Sequence[tuple[str, str]], source: str) -> list[Moment]:
-    """Parse days and ISO dates or, where a text is neither, all times as those in names.
+    """Parse numbers of days or, where a text is none, all times as those in names.
 
     rows: the place of each time, for messages, and its text. Raises InputError for a text that is
     not a time, or where dates and days are mixed.
     """
-    found = [_parse_time(text) for _, text in rows]
-    if None in found and (reading := read_times([text[:MAX_TIME_CHARACTERS] for _, text in rows])):
+    # Longer texts are no times, and the patterns would take long on them.
+    texts = [text if len(text) <= MAX_TIME_CHARACTERS else "" for _, text in rows]
+    are_days = [bool(re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text)) for text in texts]
+    if all(are_days):
+        return [Moment(float(text), f"day {float(text):.10g}") for text in texts]
+    if reading := read_times(texts):
         return list(reading.moments)
-    for (place, text), moment in zip(rows, found, strict=True):
-        if moment is None:
+    for (place, text), short, is_days in zip(rows, texts, are_days, strict=True):
+        if not is_days and not has_time(short):
             needed = "a number of days, or a date such as 2020-03-08, is needed"
             raise InputError(f"{place}: '{text[:60]}' is no time; {needed}.")
-    moments = [moment for moment in found if moment]
-    if len({moment.dated for moment in moments}) > 1:
-        raise InputError(f"{source} mixes dates and numbers of days; use one of them throughout.")
-    return moments
-
-
-def _parse_time(text: str) -> Moment | None:
-    """A number of days, or an ISO date or date-time; None where a text is something else."""
-    if len(text) > MAX_TIME_CHARACTERS:  # on which the patterns would take long
-        return None
-    date = CONVENTIONS[0].pattern.fullmatch(text)
-    if moment := date and read_moment(date):
-        return moment
-    is_number = re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text)
-    return Moment(float(text), f"day {float(text):.10g}") if is_number else None
+    raise InputError(f"{source} mixes dates and numbers of days; use one of them throughout.")

@@ -49,19 +49,16 @@ def schedule_scans(
     for level in range(2, max(map(len, parts)) + 1):
         if len(set(names)) < len(names):  # their folders differ: 2020-03-08/scan.ply
             names = ["/".join(path_parts[-level:]) for path_parts in parts]
-    moments: Sequence[Moment]
-    doubt = ""
     if times is not None:
-        moments, rule = moments_from_list(times, names), "as given"
+        moments, rule, doubt = moments_from_list(times, names), "as given", ""
     elif times_file is not None:
         moments, rule = moments_from_file(times_file, names), f"from '{times_file.name}'"
+        doubt = ""
+    elif reading := _times_in_names(paths):
+        moments, rule = list(reading.moments), f"from the {reading.convention.kind} in the names"
+        doubt = reading.doubt
     else:
-        reading, level = _times_in_names(paths)
-        if reading is None:
-            return _in_order(paths, names, from_folder)
-        where = "folders' names" if level else "names"
-        rule = f"from the {reading.convention.what} in the {where}"
-        moments, doubt = reading.moments, reading.doubt
+        return _in_order(paths, names, from_folder)
     return schedule_in_time(paths, names, moments, rule, doubt, from_folder)
 
 
@@ -71,8 +68,8 @@ def natural_key(name: str) -> list[tuple[int, int, str]]:
     return [(0, int(p), p) if p.isdecimal() else (1, 0, p.lower()) for p in parts]
 
 
-def _times_in_names(paths: Sequence[Path]) -> tuple[Reading | None, int]:
-    """Read the times in the names of the files (level 0), or of the folders at a level above them.
+def _times_in_names(paths: Sequence[Path]) -> Reading | None:
+    """Read the times in the names of the files, or of the folders at a level above them.
 
     A clear time in a folder's name is preferred to numbers in the files' names.
     """
@@ -80,9 +77,9 @@ def _times_in_names(paths: Sequence[Path]) -> tuple[Reading | None, int]:
     levels = islice(zip(*names, strict=False), FOLDER_LEVELS + 1)
     found = [(read, level) for level, texts in enumerate(levels) if (read := read_times(texts))]
     return min(
-        ((read, level) for read, level in found if read.are_distinct or level == 0),
-        key=lambda found: (not found[0].are_distinct, not found[0].convention.is_clear),
-        default=(None, 0),
+        (read for read, level in found if read.are_distinct or level == 0),
+        key=lambda read: (not read.are_distinct, not read.convention.is_clear),
+        default=None,
     )
 
 

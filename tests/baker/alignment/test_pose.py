@@ -9,7 +9,7 @@ from baker.geometry.up_axis import Vertical
 
 
 def standing(cloud: np.ndarray) -> Pose:
-    return pose_at(even_sample(cloud), Vertical.named("z"), np.zeros(3), None)
+    return pose_at(even_sample(cloud), np.zeros(3), None, Vertical.named("z"))
 
 
 def test_each_leaf_is_an_organ(days):
@@ -21,7 +21,7 @@ def test_each_leaf_is_an_organ(days):
 
 def test_each_label_but_the_stem_is_an_organ(days):
     labels = np.repeat([5, 1, 2, 3, 4], [900, 700, 700, 700, 700])
-    pose = pose_at(even_sample(days[0], labels), Vertical.named("z"), np.zeros(3), 5)
+    pose = pose_at(even_sample(days[0], labels), np.zeros(3), 5, Vertical.named("z"))
     azimuths = np.degrees(np.arctan2(pose.centers[:, 1], pose.centers[:, 0])) % 360.0
     assert pose.names.tolist() == [1, 2, 3, 4]
     assert np.allclose(azimuths, [20.0, 110.0, 170.0, 300.0], atol=4.0)

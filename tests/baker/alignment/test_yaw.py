@@ -10,7 +10,6 @@ from baker.alignment.yaw import (
     direction_curve,
     exact_yaw,
     fit_yaws,
-    labels_are_names,
     second_yaw,
     wrapped,
 )
@@ -21,7 +20,7 @@ LABELS = np.repeat([0, 1, 2, 3, 4], [900, 700, 700, 700, 700])
 
 def standing(cloud: np.ndarray, labels: np.ndarray | None = None) -> Pose:
     stem = None if labels is None else int(labels[0])
-    return pose_at(even_sample(cloud, labels), Vertical.named("z"), np.zeros(3), stem)
+    return pose_at(even_sample(cloud, labels), np.zeros(3), stem, Vertical.named("z"))
 
 
 def test_an_unmoved_plant_keeps_all(days):
@@ -66,6 +65,7 @@ def test_a_plant_with_two_equal_sides_is_doubtful(posed):
 def test_labels_are_names_or_numbers(plant):
     rng = np.random.default_rng(0)
     scans = [plant(day) for day in range(4)]
-    assert labels_are_names([standing(scan, LABELS) for scan in scans])
+    assert fit_yaws([standing(scan, LABELS) for scan in scans], True).by_label
     anew = [rng.permutation(5)[LABELS] for _ in scans]
-    assert not labels_are_names([standing(*scan) for scan in zip(scans, anew, strict=True)])
+    poses = [standing(*scan) for scan in zip(scans, anew, strict=True)]
+    assert not fit_yaws(poses, True).by_label

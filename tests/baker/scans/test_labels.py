@@ -75,7 +75,7 @@ def test_what_is_the_same_everywhere_is_no_label():
     assert chosen({"label": one, "class": two}, {"label": one, "class": one})[1] == "class"
     labels, field, said = chosen({"classification": one}, {"classification": one})
     assert (labels, field) == ([None, None], "")
-    assert said == "labels: 'classification' is not used, as it is 1 everywhere."
+    assert said == "labels: 'classification' is not used, as it is the same everywhere in a scan."
     # One organ in the first scan, two in the second.
     assert chosen({"label": one}, {"label": two})[0] == [one, two]
 

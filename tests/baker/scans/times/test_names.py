@@ -125,12 +125,16 @@ def test_the_order_of_names_does_not_matter(first):
 def test_an_ambiguous_order_is_said():
     reading = read_times(["01.02.2023", "03.02.2023", "05.02.2023"])
     assert reading is not None
-    assert "month, day, year" in reading.doubt
+    assert "dates, 2023-01-02 to 2023-05-02" in reading.doubt
 
 
 def test_a_single_date_that_can_be_read_in_two_ways_is_in_doubt():
     reading = read_times(["03-04-2020"])
-    assert "month, day, year" in reading.doubt
+    assert "2020-0" in reading.doubt
+
+
+def test_a_leap_day_without_a_year_is_a_date():
+    assert days_of(["M01_0228", "M01_0229", "M01_0302"]) == [0, 1, 3]
 
 
 def test_another_number_that_would_give_another_order_is_said():
