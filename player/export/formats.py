@@ -63,10 +63,9 @@ def export(
         raise PlayerError(f"{count} frames would be written; at most {MOST} are.")
     if chosen.picture:
         check_annotations(film, clip)
-    colors = Colors(clip)
-    coloring = colors.clip_with_constant_colors if chosen.points else colors.clip_with_colors
+    colored = Colors(clip).clip_with_colors(film.style, as_file=chosen.points)
     with atomic_file(path, force, chosen.sequence) as part:
-        chosen.write(coloring(film.style), film, part, progress)
+        chosen.write(colored, film, part, progress)
 
 
 def film(clip: Clip, path: str | PathLike[str], **choices: Any) -> None:

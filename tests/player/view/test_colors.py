@@ -10,7 +10,7 @@ from gclip.evaluate import srgb_to_linear
 from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
-from player.view.colors import Colors, ScalarField, nice_ceil
+from player.view.colors import Colors, nice_ceil
 from player.view.style import Style
 from tests.player.conftest import ClipMaker
 
@@ -122,7 +122,7 @@ def test_what_a_style_comes_to(make_clip: ClipMaker) -> None:
     assert Style().color_mode(bare) == "track"
     assert Style().color_mode(colored) == "scan"
     assert Style(color_by="scan").color_mode(bare) == "track"
-    assert Colors(bare).scalar_field(Style(color_by="age")) is ScalarField.NONE
+    assert Style(color_by="age").color_mode(bare).in_shader == 0
     assert Colors(bare).color_scale(Style(color_by="track")) is None
 
 
