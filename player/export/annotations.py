@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.errors import PlayerError
 from player.view.annotations import (
     BOLD,
     REGULAR,
@@ -31,15 +30,6 @@ if TYPE_CHECKING:
 MARGIN = 30  # units
 HALO = 2  # about texts, that they can be read where they lie over the plant
 MIN_UNIT = 0.6  # pixels: the small text is then 9 of them high
-
-
-def check(film: Film, clip: Clip) -> None:
-    """Raise PlayerError for a legend of colours that mean nothing: the scans' own."""
-    if film.annotations.legend and film.style.color_mode(clip) == "scan":
-        raise PlayerError(
-            "--legend explains colours of organs and values, not the scans' own; "
-            "add --color track, age, speed, height or error, or leave it out."
-        )
 
 
 def annotated(

@@ -7,7 +7,6 @@ samples and curved ones some more.
 
 import os
 from datetime import datetime
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -26,18 +25,14 @@ ZIP_EPOCH = datetime(1980, 1, 1)  # a package tells when its stage was written
 CURVED_SAMPLES = 17  # an interval, where movers go along curves or fall
 
 
-def check(film: Film) -> None:
-    """Raise PlayerError where OpenUSD is not installed."""
-    if find_spec("pxr") is None:
-        raise PlayerError(
-            "USD needs OpenUSD's library: pip install 'plant-growth-clips[usd]' brings it."
-        )
-
-
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """Write the plant; its time codes are the film's frames, from 0."""
-    from pxr import Tf, UsdUtils
-
+    try:
+        from pxr import Tf, UsdUtils
+    except ImportError:
+        raise PlayerError(
+            "USD needs OpenUSD's library: pip install 'plant-growth-clips[usd]' brings it."
+        ) from None
     if not str(path).isprintable():
         raise PlayerError(f"{path.name}: OpenUSD writes files of plain names only.")
     packed = path.suffix.lower() == ".usdz"

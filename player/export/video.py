@@ -3,8 +3,6 @@
 import logging
 from collections.abc import Iterable, Sequence
 from contextlib import closing
-from dataclasses import replace
-from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +13,6 @@ from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.output_names import failure
 
-PALETTE_SAMPLES = 8  # frames, spread over the film, that a GIF's palette is made from
 MAX_GIF_FPS = 50  # browsers play shorter delays than 2/100 s slowly
 
 # RGB is converted with the matrix of ITU-R BT.709 and tagged with it, or players would guess.
@@ -28,49 +25,40 @@ BT709 = (
 # spends bits on dark surfaces.
 X264 = ("-preset", "medium", "-crf", "18", "-x264-params", "aq-mode=3", "-movflags", "+faststart")
 VP9 = ("-crf", "16", "-b:v", "0", "-deadline", "good", "-cpu-used", "4", "-tile-columns", "2")
+# A palette for each frame, whose picture is dithered already; the film loops.
+GIF = (
+    "-vf",
+    "split[picture][sampled];[sampled]palettegen=stats_mode=single[palette];"
+    "[picture][palette]paletteuse=new=1:dither=none:diff_mode=rectangle",
+    *("-loop", "0", "-pix_fmt", "pal8"),
+)
 # The same pictures give the same bytes: no version or date is written, threads are a fixed number.
 REPRODUCIBLE = (
     *("-threads", "4", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1"),
 )
 
 
-def check_h264(film: Film) -> None:
-    """Raise PlayerError where H.264 can't hold the size."""
-    if film.size[0] % 2 or film.size[1] % 2:
-        width, height = (side + side % 2 for side in film.size)
-        raise PlayerError(
-            f"sides of H.264 films are even numbers, not {film.size[0]}x{film.size[1]}; "
-            f"use --size {width}x{height}."
-        )
-
-
-def check_gif(film: Film) -> None:
-    """Raise PlayerError where a GIF can't be so fast."""
-    if film.fps > MAX_GIF_FPS:
-        raise PlayerError(f"a gif shows at most {MAX_GIF_FPS} frames a second, not {film.fps}.")
-
-
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """H.264, which plays everywhere, as .mp4 or .mov; or VP9, free of patents, as .webm."""
-    webm = path.suffix.lower() == ".webm"
-    codec, options = ("libvpx-vp9", VP9) if webm else ("libx264", X264)
+    """H.264, which plays everywhere, as .mp4 or .mov; VP9, free of patents, as .webm; or GIF.
+
+    Raises PlayerError where the format can't hold the film's size or be so fast.
+    """
+    (width, height), suffix = film.size, path.suffix.lower()
+    if suffix == ".webm":
+        codec, arguments = "libvpx-vp9", [*VP9, *BT709]
+    elif suffix == ".gif":
+        codec, arguments = "gif", [*GIF]
+        if film.fps > MAX_GIF_FPS:
+            raise PlayerError(f"a gif shows at most {MAX_GIF_FPS} frames a second, not {film.fps}.")
+    else:
+        codec, arguments = "libx264", [*X264, *BT709]
+        if width % 2 or height % 2:
+            raise PlayerError(
+                f"sides of H.264 films are even numbers, not {width}x{height}; "
+                f"use --size {width + width % 2}x{height + height % 2}."
+            )
     with closing(film.pictures(clip, progress)) as pictures:
-        encode(pictures, film.frame_count(clip), film, path, codec, [*options, *BT709])
-
-
-def write_gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """A film that loops, with one palette for all of it."""
-    days = film.days(clip)
-    samples = days[:: max(1, len(days) // PALETTE_SAMPLES)]
-    palette = (
-        f"split[sampled][all];[sampled]trim=end_frame={len(samples)},palettegen[palette];"
-        f"[all]trim=start_frame={len(samples)},setpts=PTS-STARTPTS[film];"
-        "[film][palette]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
-    )
-    arguments = ("-vf", palette, "-loop", "0")
-    sampled = replace(film, at=tuple(samples), every=None).pictures(clip)
-    with closing(sampled), closing(film.pictures(clip, progress)) as frames:
-        encode(chain(sampled, frames), len(days), film, path, "gif", arguments, pixels="pal8")
+        encode(pictures, film.frame_count(clip), film, path, codec, arguments)
 
 
 def encode(
@@ -80,13 +68,11 @@ def encode(
     path: Path,
     codec: str,
     arguments: Sequence[str],
-    pixels: str = "yuv420p",
 ) -> None:
     """Pipe pictures, (height, width, 4) uint8 of the film's size, through ffmpeg into a file.
 
-    count:                    how many frames the file must have in the end.
-    codec, arguments, pixels: as ffmpeg names them: the encoder, its options, the format of its
-                              pixels.
+    count:            how many frames the file must have in the end.
+    codec, arguments: as ffmpeg names them: the encoder, and its options.
     Raises PlayerError if ffmpeg is missing or gives up.
     """
     from imageio_ffmpeg import count_frames_and_secs, get_ffmpeg_exe, write_frames
@@ -98,7 +84,6 @@ def encode(
         file,
         film.size,
         pix_fmt_in="rgba",
-        pix_fmt_out=pixels,
         fps=film.fps,
         quality=None,
         codec=codec,

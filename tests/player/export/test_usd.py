@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import zipfile
 from dataclasses import replace
 from pathlib import Path
@@ -13,7 +14,6 @@ import pytest
 from gclip import Motion
 from player.errors import PlayerError
 from player.export import Film, export
-from player.export import usd as usd_export
 
 FILM = Film(seconds=10.0, fps=24)
 
@@ -86,7 +86,7 @@ def test_a_name_that_usd_cannot_write_is_said(pxr: Any, make_clip: Any, tmp_path
 def test_without_the_library_one_sentence_says_what_to_do(
     make_clip: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(usd_export, "find_spec", lambda name: None)
+    monkeypatch.setitem(sys.modules, "pxr", None)
     with pytest.raises(PlayerError, match=r"\[usd\]"):
         export(make_clip(), FILM, tmp_path / "plant.usd")
     assert list(tmp_path.iterdir()) == []
