@@ -4,11 +4,11 @@ import base64
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from html import escape
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -30,8 +30,6 @@ from player.view.dates import date_at, elapsed, short_dates
 from player.view.style import GROUNDS, ColorMode
 from traits.curves import TraitCurve, curve_svg, plotted, trait_curves
 
-Packed = tuple[bytes, dict[str, Any]]  # as `pack` returns them
-
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
     *("splat.vert", "splat_depth.frag", "splat_sum.frag", "splat_behind.frag"),
@@ -49,18 +47,8 @@ LARGEST = 1 << 29  # characters of one interval: browsers hold no longer strings
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """Write the page; it opens with the film's look. Raises PlayerError where it can't be."""
-    total = len(clip.intervals)
-    progress(0, total)
-    packed = []
-    for done, interval in enumerate(clip.intervals, start=1):
-        packed.append(pack(interval, clip.spacing))
-        if 4 * len(packed[-1][0]) > 3 * LARGEST:
-            raise PlayerError(
-                f"{path.name}: interval {done} is too large for a page; bake with --voxel SIZE."
-            )
-        progress(done, total)
     with path.open("w", encoding="utf-8", newline="\n") as file:
-        file.writelines(_render(clip, film, packed))
+        file.writelines(_page(clip, film, progress))
 
 
 def iframe(clip: Clip, height: int = FRAME_HEIGHT) -> str:
@@ -76,49 +64,50 @@ def iframe(clip: Clip, height: int = FRAME_HEIGHT) -> str:
     -------
     str
     """
-    with TemporaryDirectory() as folder:
-        page = Path(folder, "clip.html")
-        write(clip, Film(name="plant"), page, lambda done, total: None)
-        document = escape(page.read_text("utf-8"))
-    return f'<iframe srcdoc="{document}" width="100%" height="{height}" style="border: 0"></iframe>'
+    page = escape("".join(_page(clip, Film(name="plant"), lambda done, total: None)))
+    return f'<iframe srcdoc="{page}" width="100%" height="{height}" style="border: 0"></iframe>'
 
 
-def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:
+def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
     """The page's text, piece by piece."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
+    packed, total = [], len(clip.intervals)
+    progress(0, total)
+    for done, interval in enumerate(clip.intervals, start=1):
+        packed.append(pack(interval, clip.spacing))
+        if 4 * len(packed[-1][0]) > 3 * LARGEST:
+            raise PlayerError(f"interval {done} is too large for a page; bake with --voxel SIZE.")
+        progress(done, total)
     environment = Environment(
-        loader=PackageLoader("player.export", "web"), autoescape=True, undefined=StrictUndefined
+        loader=PackageLoader("player.export", "web"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
-    environment.trim_blocks = environment.lstrip_blocks = True
+    environment.filters["css"] = _css
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     first, last = clip.times[0], clip.times[-1]
-    dates = short_dates([scan.date for scan in clip.scans])
     places = [100.0 * (time - first) / (last - first) for time in clip.times]
     painted = film.style.color_mode(clip).painted
-    scale = Colors(clip).color_scale(film.style) if painted else None
-    ramp = [] if scale is None else scale.colors()[:: len(scale.colors()) // 16].tolist()
-    return environment.get_template("page.html").generate(
-        title=film.title or film.name,
-        facts=f"{len(clip.scans)} scans, {len(clip.track_table)} organs",
-        ground=film.style.ground,
-        colored=clip.has_colors,
-        scale=scale,
-        ramp=", ".join(map(_css, ramp)),
-        first=first,
-        last=last,
-        marks=zip(places, dates, strict=True),
+    yield from environment.get_template("page.html").generate(
+        clip=clip,
+        film=film,
+        scale=Colors(clip).color_scale(film.style) if painted else None,
+        marks=zip(places, short_dates([scan.date for scan in clip.scans]), strict=True),
         crowded=min(after - before for before, after in pairwise(places)) < ROOM,
-        organs=_organs(clip),
+        organs=clip.track_table[:MAX_ORGANS],
+        date=partial(date_at, clip.scans),
         style=_read("page.css"),
         script="\n".join(_read(name) for name in SCRIPTS),
-        clip=_about(clip, film, packed),
+        about=_about(clip, film, [layout for _, layout in packed]),
         shaders={name: shaders.resolved(name) for name in SHADERS},
         intervals=(base64.b64encode(data).decode("ascii") for data, _ in packed),
     )
 
 
-def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
+def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, Any]:
     """What the page knows besides the points; read in web/clip.js and web/renderer.js."""
     closing = ClosingDistances(clip)
     to_square, half_side = floor_square(clip)
@@ -140,7 +129,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
                 "groups": to_builtins(interval.groups),
                 **layout,
             }
-            for interval, (_, layout) in zip(clip.intervals, packed, strict=True)
+            for interval, layout in zip(clip.intervals, layouts, strict=True)
         ],
         "coverage": [closing.at(time) for time in clip.times],
         "splat": {"radii": radius, "smallest": MIN_POINT_PX},
@@ -189,14 +178,6 @@ def _moments(clip: Clip) -> list[tuple[float, str, str]]:
     unit = clip.time_unit
     named = [(day, date_at(clip.scans, day), elapsed(clip.scans, day, unit)) for day in days]
     return named[:1] + [after for before, after in pairwise(named) if before[1:] != after[1:]]
-
-
-def _organs(clip: Clip) -> Iterator[tuple[str, str, str]]:
-    """Colour, name, and where it is not there all the time, from when to when."""
-    for track in clip.track_table[:MAX_ORGANS]:
-        born = date_at(clip.scans, track.born) if track.born > clip.times[0] else ""
-        lost = "" if track.lost is None else f" – {date_at(clip.scans, track.lost)}"
-        yield _css(track.color), track.name, born + lost
 
 
 def _curves(clip: Clip) -> dict[str, tuple[str, str]]:
