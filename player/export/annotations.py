@@ -88,13 +88,11 @@ class PillowPen:
         )
 
     def box(self, x: float, y: float, width: float, height: float, color: RGB | None) -> None:
-        (x0, y0), wide, high = self._at(x, y), width * self._unit, height * self._unit
-        x1, y1 = x0 + (-wide if x < 0 else wide), y0 + (-high if y < 0 else high)
-        corners = (*sorted((x0, x1)), *sorted((y0, y1)))
-        left, right, top, bottom = (round(side) for side in corners)
-        self._draw.rectangle(
-            (left, top, max(right - 1, left), max(bottom - 1, top)), fill=color or self._text
-        )
+        corner, sides = np.array(self._at(x, y)), self._unit * np.array([width, height])
+        opposite = corner + np.where([x < 0, y < 0], -sides, sides)
+        first, end = np.round(np.sort([corner, opposite], axis=0)).astype(int)
+        box = (*first.tolist(), *np.maximum(end - 1, first).tolist())
+        self._draw.rectangle(box, fill=color or self._text)
 
     def _at(self, x: float, y: float) -> tuple[float, float]:
         width, height = self.size
@@ -106,13 +104,9 @@ class PillowPen:
 
 @cache
 def _font(name: str, size: float) -> Any:
-    """The window's own font, found without loading the window; else Pillow's.
-
-    Pillow's basic layout: with libraqm, where the system has that, letters would stand elsewhere.
+    """The window's own font, in Pillow's basic layout: with libraqm, where the system has that,
+    letters would stand elsewhere.
     """
     from PIL import ImageFont
 
-    file = font_file(name)
-    if not file:
-        return ImageFont.load_default(size)
-    return ImageFont.truetype(file, size, layout_engine=ImageFont.Layout.BASIC)
+    return ImageFont.truetype(font_file(name), size, layout_engine=ImageFont.Layout.BASIC)

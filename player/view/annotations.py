@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.util import find_spec
+from importlib.metadata import distribution
 from pathlib import Path
 from typing import Protocol
 
@@ -113,9 +113,6 @@ def round_length(longest: float) -> float:
 
 @cache
 def font_file(name: str) -> str:
-    """The path of REGULAR, BOLD or ICONS; "" where imgui-bundle is not installed."""
-    spec = find_spec("imgui_bundle")
-    for folder in (spec.submodule_search_locations or ()) if spec else ():
-        for path in sorted((Path(folder) / "assets" / "fonts").rglob(name)):
-            return str(path)
-    return ""
+    """The path of REGULAR, BOLD or ICONS, found without loading imgui-bundle."""
+    folder = distribution("imgui-bundle").locate_file("imgui_bundle/assets/fonts")
+    return str(next(Path(str(folder)).rglob(name)))
