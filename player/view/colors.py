@@ -80,14 +80,7 @@ class Colors:
 
         Raises PlayerError for fields and errors where the clip holds none.
         """
-        mode = style.color_mode(self._clip)
-        if lacking := mode.lacking(self._clip):
-            raise PlayerError(lacking)
-        if not mode.colormap:
-            return None
-        scale, _ = self._values(mode, style.field)
-        map = mode.colormap if style.color_map == ColorMap.AUTO else style.color_map
-        return replace(scale, color_map=str(map))
+        return self._scale(style) if style.color_mode(self._clip).colormap else None
 
     def clip_with_colors(self, style: Style, as_file: bool = False) -> Clip:
         """The clip to draw: a copy with values as colours where a style shows such.
@@ -98,7 +91,11 @@ class Colors:
         plant grows.
         """
         clip, mode = self._clip, style.color_mode(self._clip)
-        if as_file and mode in (ColorMode.AGE, ColorMode.SPEED, ColorMode.HEIGHT):
+        if mode.painted:
+            scale, (_, values) = self._scale(style), self._values(mode, style.field)
+            pairs = zip(clip.intervals, values, strict=True)
+            return replace(clip, intervals=tuple(scale.painted(*pair) for pair in pairs))
+        if as_file and mode.colormap:
             raise PlayerError(
                 f"--color {mode} changes while the plant grows: it is for pictures and films; "
                 "point files take scan, track or error."
@@ -106,20 +103,18 @@ class Colors:
         if as_file and mode is ColorMode.TRACK:
             bare = [replace(one, start_colors=None, end_colors=None) for one in clip.intervals]
             return replace(clip, intervals=tuple(bare))
-        scale = self.color_scale(style) if mode.painted else None
-        if scale is None:
-            return clip
-        pairs = zip(clip.intervals, self._values(mode, style.field)[1], strict=True)
-        return replace(clip, intervals=tuple(scale.painted(*pair) for pair in pairs))
+        return clip
 
     def left_out(self, number: int, style: Style) -> Clip:
         """A scan that was left out, as a clip that wears a style's colours."""
         clip, missed = held_out_as_clip(self._clip, number)
-        shown = style.color_mode(self._clip) is ColorMode.ERROR
-        scale = self.color_scale(style) if shown else None
-        if scale is None:
+        if style.color_mode(self._clip) is not ColorMode.ERROR:
             return clip
-        return replace(clip, intervals=(scale.painted(clip.intervals[0], missed),))
+        return replace(clip, intervals=(self._scale(style).painted(clip.intervals[0], missed),))
+
+    def scalar_field(self, style: Style) -> int:
+        """What scalar_field.glsl finds a value of, by its number there; 0 for nothing."""
+        return {ColorMode.HEIGHT: 1, ColorMode.SPEED: 2}.get(style.color_mode(self._clip), 0)
 
     def palette(self, day: float, style: Style) -> NDArray[np.float32]:
         """(tracks, 4) float32: linear light, and what is left of a mover's own colour.
@@ -142,33 +137,32 @@ class Colors:
     def ramp(self, style: Style) -> NDArray[np.float32]:
         """(STEPS, 4) float32 linear light of values from 0 to 1; black where there are none."""
         texels = np.zeros((STEPS, 4), np.float32)
-        if scale := self._shader_scale(style):
-            texels[:, :3] = srgb_to_linear(scale.colors() / 255.0)
+        if self.scalar_field(style):
+            texels[:, :3] = srgb_to_linear(self._scale(style).colors() / 255.0)
         return texels
 
     def uniforms(self, style: Style) -> dict[str, object]:
         """How scalar_field.glsl gets from positions and velocities to values from 0 to 1."""
-        scale = self._shader_scale(style)
-        if scale is None:
-            return {}
-        upward, lowest = axes(self._clip.up)[2] / scale.high, outline(self._clip)[:, 2].min()
-        return {
-            "height_axis": (*upward.tolist(), -float(lowest) / scale.high),
-            "max_speed": scale.high,
-        }
+        high, lowest = self._scale(style).high, float(outline(self._clip)[:, 2].min())
+        upward = axes(self._clip.up)[2] / high
+        return {"height_axis": (*upward.tolist(), -lowest / high), "max_speed": high}
 
-    def _shader_scale(self, style: Style) -> ValueRange | None:
-        return self.color_scale(style) if style.color_mode(self._clip).in_shader else None
+    def _scale(self, style: Style) -> ValueRange:
+        """Of a mode that has a colour map."""
+        mode = style.color_mode(self._clip)
+        if lacking := mode.lacking(self._clip):
+            raise PlayerError(lacking)
+        scale, _ = self._values(mode, style.field)
+        map = mode.colormap if style.color_map == ColorMap.AUTO else style.color_map
+        return replace(scale, color_map=str(map))
 
     def _track_colors(self, day: float, style: Style) -> NDArray[np.uint8]:
         """(tracks, 3) uint8 sRGB."""
-        aged = style.color_mode(self._clip) is ColorMode.AGE
-        scale = self.color_scale(style) if aged else None
-        if scale is None:
+        if style.color_mode(self._clip) is not ColorMode.AGE:
             return palette_at(self._clip, *locate(self._clip, day))[:, :3]
         first = self._clip.times[0]
         born = np.array([max(track.born, first) for track in self._clip.track_table])
-        return scale.colors_of(day - born)
+        return self._scale(style).colors_of(day - born)
 
 
 def values_of(clip: Clip, mode: ColorMode, field: str) -> tuple[ValueRange, Values]:

@@ -21,12 +21,10 @@ class ColorMode(StrEnum):
     label: str  #: what users read
     #: of a value's colours, as `cmap` names it; "" for the scans' and the organs' own
     colormap: str
-    in_shader: int  #: SCALAR_FIELD of a value that scalar_field.glsl finds, else 0
 
-    def __new__(cls, value: str, label: str = "", colormap: str = "", in_shader: int = 0) -> Self:
+    def __new__(cls, value: str, label: str = "", colormap: str = "") -> Self:
         mode = str.__new__(cls, value)
-        mode._value_, mode.label = value, label
-        mode.colormap, mode.in_shader = colormap, in_shader
+        mode._value_, mode.label, mode.colormap = value, label, colormap
         return mode
 
     AUTO = "auto", "the scans' colours, or organs"
@@ -34,8 +32,8 @@ class ColorMode(StrEnum):
     TRACK = "track", "organs"
     AGE = "age", "age", "crameri:imola_r"
     GROWTH = "growth", "growth rate", "colorbrewer:YlOrRd"
-    SPEED = "speed", "speed of motion", "colorbrewer:YlOrRd", 2
-    HEIGHT = "height", "height", "viridis", 1
+    SPEED = "speed", "speed of motion", "colorbrewer:YlOrRd"
+    HEIGHT = "height", "height", "viridis"
     FIELD = "field", "field of the scans", "viridis"
     ERROR = "error", "error", "plasma"
 

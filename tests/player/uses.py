@@ -73,7 +73,8 @@ def loaded(clip: Clip) -> None:
         colors, style = Colors(clip), Style(color_by=name)
         assert np.isfinite(colors.palette(days_of(clip)[1], style)).all()
         assert np.isfinite(colors.ramp(style)).all()
-        assert all(np.isfinite(value).all() for value in colors.uniforms(style).values())
+        if colors.scalar_field(style):
+            assert np.isfinite(np.hstack(list(colors.uniforms(style).values()))).all()
     assert all(bytes_per_point(interval) > 0 for interval in clip.intervals)
     timeline = Timeline.of(clip.times).played().tick(0.1)
     assert np.isfinite(timeline.day)

@@ -122,7 +122,7 @@ def test_what_a_style_comes_to(make_clip: ClipMaker) -> None:
     assert Style().color_mode(bare) == "track"
     assert Style().color_mode(colored) == "scan"
     assert Style(color_by="scan").color_mode(bare) == "track"
-    assert Style(color_by="age").color_mode(bare).in_shader == 0
+    assert Colors(bare).scalar_field(Style(color_by="age")) == 0
     assert Colors(bare).color_scale(Style(color_by="track")) is None
 
 
