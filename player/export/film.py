@@ -102,9 +102,7 @@ class Film:
 
         return draw
 
-    def pictures(
-        self, clip: Clip, progress: Progress = lambda done, total: None
-    ) -> Generator[NDArray, None, None]:
+    def pictures(self, clip: Clip, progress: Progress) -> Generator[NDArray, None, None]:
         """The frames, each drawn as it is asked for.
 
         OpenGL starts with the first one: an encoder is started before, since drivers have threads

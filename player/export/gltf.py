@@ -1,14 +1,8 @@
 """The growing plant as one binary glTF 2.0 file: points, morph targets, one animation.
 
-Each interval has movers of its own, so each is a node of its own. It is there while its time lasts:
-its scale steps from 0 to 1 and back to 0, which glTF 2.0 (section 3.5.3) names as the way to make a
-node invisible. Within an interval a mover travels along a Bézier curve of degree d,
-
-    B(u) = p_0 + Σ_j b_j(u) (p_j - p_0),   j = 1 ... d,
-
-with the Bernstein polynomials b_j: so the differences p_j - p_0 are morph targets, and the b_j are
-their weights over time, sampled at keys between which viewers interpolate linearly (exact for
-straight paths).
+Each interval has nodes of its own, switched on and off by their scale (docs/exports.md). In it a
+mover travels along a Bézier curve: the differences of its points from the first one are morph
+targets, and the Bernstein polynomials are their weights, linear in time between keys.
 """
 
 from collections.abc import Iterator
