@@ -9,17 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.view.annotations import (
-    BOLD,
-    REGULAR,
-    RGB,
-    draw_date,
-    draw_organs,
-    draw_ramp,
-    draw_scale_bar,
-    draw_title,
-    font_file,
-)
+from player.view.annotations import BOLD, LARGE, REGULAR, RGB, draw_annotations, font_file
 from player.view.camera import Camera
 from player.view.colors import ValueRange
 from player.view.style import GROUNDS
@@ -52,14 +42,8 @@ def annotated(
         return picture
     overlay = Image.new("RGBA", film.size, (0, 0, 0, 0))
     pen = PillowPen(ImageDraw.Draw(overlay), film)
-    if film.title:
-        draw_title(pen, film.title)
-    if wanted.date:
-        draw_date(pen, day, clip)
-    if wanted.scale:
-        draw_scale_bar(pen, camera, clip.unit)
-    if wanted.legend:
-        draw_organs(pen, clip.track_table) if values is None else draw_ramp(pen, values)
+    pen.text(0, 0, film.title, LARGE, bold=True)
+    draw_annotations(pen, wanted, day, camera, clip, values)
     return np.asarray(Image.alpha_composite(Image.fromarray(picture), overlay))
 
 

@@ -11,9 +11,6 @@ if TYPE_CHECKING:
 
 Light = tuple[float, float, float]
 
-NO_FIELD = "the clip carries no field of its scans; bake it with --fields NAMES."
-NO_HOLDOUT = "the clip holds no scan that was left out of it; bake it with --holdout 2."
-
 
 class ColorMode(StrEnum):
     """What movers are coloured by."""
@@ -45,8 +42,10 @@ class ColorMode(StrEnum):
     def lacking(self, clip: Clip) -> str:
         """Why a clip can't be coloured so, and how it could; "" where it can."""
         if self is ColorMode.FIELD and not clip.fields:
-            return NO_FIELD
-        return NO_HOLDOUT if self is ColorMode.ERROR and not clip.held_out else ""
+            return "the clip carries no field of its scans; bake it with --fields NAMES."
+        if self is ColorMode.ERROR and not clip.held_out:
+            return "the clip holds no scan that was left out of it; bake it with --holdout 2."
+        return ""
 
 
 class ColorMap(StrEnum):

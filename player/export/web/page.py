@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from msgspec import to_builtins
 
 import shaders
 from gclip import Clip
@@ -28,7 +27,7 @@ from player.view.camera import Camera, axes
 from player.view.colors import Colors, format_number
 from player.view.dates import date_at, elapsed, short_dates
 from player.view.style import GROUNDS, ColorMode
-from traits.curves import TraitCurve, curve_svg, plotted, trait_curves
+from traits.curves import curve_svg, plotted, trait_curves
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
@@ -120,17 +119,7 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
         "colored": clip.has_colors,
         "tracks": srgb_to_linear(clip.palette[:, :3] / 255.0).round(5).tolist(),
         "newborn": [[*newborn(clip, k).items()] for k in range(len(clip.intervals))],
-        "intervals": [
-            {
-                "start": interval.start,
-                "end": interval.end,
-                "count": len(interval),
-                "degree": interval.degree,
-                "groups": to_builtins(interval.groups),
-                **layout,
-            }
-            for interval, layout in zip(clip.intervals, layouts, strict=True)
-        ],
+        "intervals": layouts,
         "coverage": [closing.at(time) for time in clip.times],
         "splat": {"radii": radius, "smallest": MIN_POINT_PX},
         "uniforms": {
@@ -182,19 +171,12 @@ def _moments(clip: Clip) -> list[tuple[float, str, str]]:
 
 def _curves(clip: Clip) -> dict[str, tuple[str, str]]:
     """Of an organ and a trait what is plotted, in words and as a picture."""
-    span, table = (clip.times[0], clip.times[-1]), clip.track_table[:MAX_CURVES]
-    return {
-        f"{one.track} {one.trait}": (
-            f"{one.trait}, {_range(one)}{one.unit}",
-            curve_svg(one, span, _css(table[one.track].color)),
-        )
-        for one in trait_curves(clip, range(len(table)))
-    }
-
-
-def _range(curve: TraitCurve) -> str:
-    low = f"{format_number(curve.bottom)} " if curve.bottom else "up "
-    return f"{low}to {format_number(max(curve.values))}"
+    plots, span, table = {}, (clip.times[0], clip.times[-1]), clip.track_table[:MAX_CURVES]
+    for one in trait_curves(clip, range(len(table))):
+        low, high = format_number(one.bottom), format_number(max(one.values))
+        drawing = curve_svg(one, span, _css(table[one.track].color))
+        plots[f"{one.track} {one.trait}"] = f"{one.trait}, {low} to {high}{one.unit}", drawing
+    return plots
 
 
 def _css(color: Sequence[int]) -> str:
