@@ -64,31 +64,17 @@ def _flag(help: str, *names: str) -> Any:
 
 @app.command(epilog=EPILOG + help_text())
 def play_command(
-    clip: Annotated[Path, typer.Argument(metavar="CLIP", help="A growth clip, made by `bake`.")],
-    second: Annotated[
-        Path | None,
-        typer.Argument(metavar="[CLIP]", help="Another one, to play in step beside it."),
-    ] = None,
-    export: Annotated[
-        Path | None, _option("PATH", "Write film.mp4, still.png, ...; see --list-exports.")
-    ] = None,
+    clips: Annotated[list[Path], typer.Argument(metavar="CLIP", help="A clip, or two in step.")],
+    export: Annotated[Path | None, _option("PATH", "Write film.mp4, ... (--list-exports).")] = None,
     info: Annotated[bool, _flag("Print what the clip holds.")] = False,
     list_exports: Annotated[
         bool, typer.Option(help="List what can be exported.", is_eager=True, callback=_list)
     ] = False,
     size: Annotated[str | None, _option("WxH", "Size in pixels; 1280x720 by default.")] = None,
     fps: Annotated[int, _option("N", "Frames a second.", min=1, max=240)] = 30,
-    seconds: Annotated[
-        float | None,
-        _option("S", "Length in seconds; 1.5 from scan to scan by default.", min=0, max=36000),
-    ] = None,
-    every: Annotated[
-        float | None, _option("T", "A frame of a film, or rows of a table, every T days.", min=1e-6)
-    ] = None,
-    day: Annotated[
-        list[str] | None,
-        _option("DAY", "A picture's day, a number or a date; several make frames/%04d.png."),
-    ] = None,
+    seconds: Annotated[float | None, _option("S", "Length of a film.", min=0, max=36000)] = None,
+    every: Annotated[float | None, _option("T", "A frame every T days.", min=1e-6)] = None,
+    day: Annotated[list[str] | None, _option("DAY", "A picture's day or date; or several.")] = None,
     camera: Annotated[
         str, _option("still|turntable|PATH.json", "turntable goes round once; or a camera path.")
     ] = STILL,
@@ -98,12 +84,8 @@ def play_command(
     colormap: Annotated[ColorMap, _flag("The colours of values, such as heights.")] = ColorMap.AUTO,
     field: Annotated[str, _option("NAME", "The field that --color field shows.")] = "",
     ground: Annotated[GroundChoice | None, _flag("By default dark, or the window's last.")] = None,
-    point_size: Annotated[
-        float, _option("FACTOR", "Multiply the points' size by this.", min=0.05, max=20)
-    ] = 1.0,
-    shading: Annotated[
-        float, _option("FACTOR", "Multiply the shading's strength by this.", min=0, max=5)
-    ] = 1.0,
+    point_size: Annotated[float, _option("FACTOR", "Of the points' size.", min=0.05, max=20)] = 1.0,
+    shading: Annotated[float, _option("FACTOR", "Of the shading's strength.", min=0, max=5)] = 1.0,
     depth_cue: Annotated[bool, _flag("Let far parts fade.", "--depth-cue/--no-depth-cue")] = True,
     floor: Annotated[bool, _flag("Draw a floor, with a shadow.", "--floor/--no-floor")] = True,
     title: Annotated[str, _option("TEXT", "A title in pictures, on pages and in tables.")] = "",
@@ -120,16 +102,15 @@ def play_command(
 
     Example:  play plant.gclip --export film.mp4 --camera turntable --date
     """
-    files = [clip] if second is None else [clip, second]
-    for file in files:
+    for file in clips:
         if file.is_dir() or file.suffix.lower() in SCANS:
             folder = file if file.is_dir() else file.parent
             raise PlayerError(f"{file} is not a growth clip; bake the scans first: bake {folder}")
     path = None if camera in (STILL, TURNTABLE) else Path(camera)
     if path is not None and path.suffix != ".json":
         raise PlayerError(f"--camera is {camera}; still, turntable or a camera path is needed.")
-    if (export is not None) + info + (second is not None) > 1:
-        raise PlayerError("--export, --info and a second clip exclude each other.")
+    if (export is not None) + info + len(clips) > 2:
+        raise PlayerError("one clip is needed, with --export or --info, or two without them.")
     if every is not None and seconds is not None:
         raise PlayerError("--every and --seconds each say how many frames; give one of them.")
     style = Style(
@@ -142,6 +123,7 @@ def play_command(
         eye_dome=shading,
         show_ground=floor,
     )
+    clip = clips[0]
     if export is not None:
         opened = gclip.open(clip)
         _check_field(opened, field)
@@ -169,7 +151,7 @@ def play_command(
             typer.echo(printable(line, MAX_LETTERS))
     else:
         look = style, _size(size) if size else None, ground, camera == TURNTABLE, path
-        player.window.start(files, *look, profile=profile)
+        player.window.start(clips, *look, profile=profile)
 
 
 def _day(clip: "Clip", text: str) -> float:

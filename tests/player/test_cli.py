@@ -170,7 +170,7 @@ def test_a_camera_path_drives_the_export(make_clip: ClipMaker, tmp_path: Path) -
     [
         (["--camera", "round"], "still, turntable or a camera path"),
         (["--camera", "none.json", "--export", "a.png"], "'none.json' can't be read"),
-        (["b.gclip", "--info"], "exclude each other"),
+        (["b.gclip", "--info"], "or two without them"),
     ],
 )
 def test_wrong_cameras_and_pairs_are_refused(
