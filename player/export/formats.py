@@ -24,16 +24,21 @@ MOST = 200_000  # frames; more are a slip of the keyboard
 class Format:
     """One of the kinds of files that a clip can be written as."""
 
-    example: str  #: a name that asks for it; `about` says what it is and whom it is for
+    #: a name that asks for it; one with a place for a number asks for files of that name, one a
+    #: moment. `about` says what it is and whom it is for
+    example: str
     about: str
     #: does it, to a file that takes the name that was asked for when it is whole
     write: Callable[[Clip, Film, Path, Progress], None]
     #: what is in it: a picture is drawn, with all that is written into it; points have one colour
     #: each; a page has colours and a camera; numbers are all that there is in a table
     content: Literal["picture", "points", "page", "numbers"]
-    sequence: bool = False  #: numbered files, one a moment: the name has a place for a number
     days: int = 0  #: how many --day it takes: 0, 1, or 2 for any number
     also: tuple[str, ...] = ()  #: other suffixes that ask for it
+
+    @property
+    def sequence(self) -> bool:
+        return is_numbered(Path(self.example))
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -121,31 +126,21 @@ def check_look(film: Film, path: Path, force: bool) -> None:
 
 
 FORMATS: tuple[Format, ...] = (
-    Format(
-        "film.mp4", "film that plays everywhere (H.264)", video.write, "picture", also=(".mov",)
-    ),
+    Format("film.mp4", "film that plays everywhere", video.write, "picture", also=(".mov",)),
     Format("film.gif", "film for pages and slides", video.write, "picture"),
     Format("film.webm", "film for web pages (VP9)", video.write, "picture"),
-    Format("still.png", "one picture", image.write, "picture", days=1, also=image.JPEG_SUFFIXES),
-    Format(
-        "frames/%04d.png", "pictures, one a frame", image.write, "picture",
-        sequence=True, days=2, also=image.JPEG_SUFFIXES,
-    ),
+    Format("still.png", "one picture", image.write, "picture", 1, image.JPEG_SUFFIXES),
+    Format("frames/%04d.png", "frames as pictures", image.write, "picture", 2, image.JPEG_SUFFIXES),
     Format("plant.html", "one page to turn and play in any browser, offline", page.write, "page"),
-    Format("cloud.ply", "one point cloud, for any program", ply.write, "points", days=1),
+    Format("cloud.ply", "one point cloud, for any program", ply.write, "points", 1),
+    Format("clouds/%04d.ply", "point clouds, one a frame, for Blender", ply.write, "points", 2),
+    Format("plant.glb", "animated points, for Blender, three.js (glTF)", gltf.write, "points"),
     Format(
-        "clouds/%04d.ply", "point clouds, one a frame, for Blender, CloudCompare, Unity",
-        ply.write, "points", sequence=True, days=2,
+        "plant.usd",
+        "points with time samples, for Houdini, Omniverse, Unreal",
+        usd.write,
+        "points",
+        also=(".usda", ".usdc", ".usdz"),
     ),
-    Format(
-        "plant.glb", "animated points, for Blender, three.js, viewers (glTF)", gltf.write, "points"
-    ),
-    Format(
-        "plant.usd", "points with time samples, for Houdini, Omniverse, Unreal", usd.write,
-        "points", also=(".usda", ".usdc", ".usdz"),
-    ),
-    Format(
-        "traits.csv", "height, length, area, volume, angle, growth of each organ", table.write,
-        "numbers", days=2,
-    ),
-)  # fmt: skip
+    Format("traits.csv", "lengths, areas, growth of each organ", table.write, "numbers", 2),
+)
