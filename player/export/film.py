@@ -76,16 +76,6 @@ class Film:
     def frames(self, clip: Clip, offscreen: Offscreen) -> Iterator[NDArray]:
         """(height, width, 4) uint8 pictures, one after the other; while film and camera rest, the
         same one comes again, undrawn.
-        """
-        draw = self.painter(clip, offscreen)
-        views = zip(self.days(clip), self.cameras(clip), strict=True)
-        for (day, camera), resting in groupby(views):
-            picture = draw(day, camera)
-            for _ in resting:
-                yield picture
-
-    def painter(self, clip: Clip, offscreen: Offscreen) -> Callable[[float, Camera], NDArray]:
-        """Draws the picture of a day, with all that is written into it.
 
         Raises PlayerError for a legend of colours that mean nothing: the scans' own.
         """
@@ -95,12 +85,12 @@ class Film:
                 "--legend explains colours of organs and values, not the scans' own; "
                 "add --color track, age, speed, height or error, or leave it out."
             )
-
-        def draw(day: float, camera: Camera) -> NDArray:
+        views = zip(self.days(clip), self.cameras(clip), strict=True)
+        for (day, camera), resting in groupby(views):
             plain = offscreen.picture(day, camera, self.style, self.transparent)
-            return annotated(plain, day, camera, self, clip, values)
-
-        return draw
+            picture = annotated(plain, day, camera, self, clip, values)
+            for _ in resting:
+                yield picture
 
     def pictures(self, clip: Clip, progress: Progress) -> Generator[NDArray, None, None]:
         """The frames, each drawn as it is asked for.
@@ -118,6 +108,6 @@ class Film:
     def cameras(self, clip: Clip) -> list[Camera]:
         """From where each frame is seen."""
         days, home = self.days(clip), Camera.home(clip, self.aspect, turning=self.turning)
-        turn = 2.0 * math.pi / len(days) if self.turning else 0.0
         starts = [self.path.at(day) if self.path else home for day in days]
+        turn = 2.0 * math.pi / len(days) if self.turning else 0.0
         return [camera.orbit(turn * index, 0.0) for index, camera in enumerate(starts)]
