@@ -127,7 +127,7 @@ def check_look(film: Film, path: Path, force: bool) -> None:
 
 FORMATS: tuple[Format, ...] = (
     Format("film.mp4", "film that plays everywhere", video.write, "picture", also=(".mov",)),
-    Format("film.gif", "film for pages and slides", video.write, "picture"),
+    Format("film.gif", "film for pages and slides", video.write_gif, "picture"),
     Format("film.webm", "film for web pages (VP9)", video.write, "picture"),
     Format("still.png", "one picture", image.write, "picture", 1, image.JPEG_SUFFIXES),
     Format("frames/%04d.png", "frames as pictures", image.write, "picture", 2, image.JPEG_SUFFIXES),

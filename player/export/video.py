@@ -3,6 +3,8 @@
 import logging
 from collections.abc import Iterable, Sequence
 from contextlib import closing
+from dataclasses import replace
+from itertools import chain
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +15,7 @@ from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.output_names import failure
 
+PALETTE_SAMPLES = 8  # frames, spread over the film, that a GIF's palette is made from
 MAX_GIF_FPS = 50  # browsers play shorter delays than 2/100 s slowly
 
 # RGB is converted with the matrix of ITU-R BT.709 and tagged with it, or players would guess.
@@ -25,12 +28,12 @@ BT709 = (
 # spends bits on dark surfaces.
 X264 = ("-preset", "medium", "-crf", "18", "-x264-params", "aq-mode=3", "-movflags", "+faststart")
 VP9 = ("-crf", "16", "-b:v", "0", "-deadline", "good", "-cpu-used", "4", "-tile-columns", "2")
-# A palette for each frame, whose picture is dithered already; the film loops.
-GIF = (
-    "-vf",
-    "split[picture][sampled];[sampled]palettegen=stats_mode=single[palette];"
-    "[picture][palette]paletteuse=new=1:dither=none:diff_mode=rectangle",
-    *("-loop", "0", "-pix_fmt", "pal8"),
+# One palette for a whole GIF, from pictures before its first frame. With one for each frame, all of
+# a picture would change from frame to frame: seven times the bytes.
+PALETTE = (
+    "split[sampled][all];[sampled]trim=end_frame={0},palettegen[palette];"
+    "[all]trim=start_frame={0},setpts=PTS-STARTPTS[film];"
+    "[film][palette]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
 )
 # The same pictures give the same bytes: no version or date is written, threads are a fixed number.
 REPRODUCIBLE = (
@@ -39,26 +42,31 @@ REPRODUCIBLE = (
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """H.264, which plays everywhere, as .mp4 or .mov; VP9, free of patents, as .webm; or GIF.
+    """H.264, which plays everywhere, as .mp4 or .mov; or VP9, free of patents, as .webm.
 
-    Raises PlayerError where the format can't hold the film's size or be so fast.
+    Raises PlayerError where H.264 can't hold the size.
     """
-    (width, height), suffix = film.size, path.suffix.lower()
-    if suffix == ".webm":
-        codec, arguments = "libvpx-vp9", [*VP9, *BT709]
-    elif suffix == ".gif":
-        codec, arguments = "gif", [*GIF]
-        if film.fps > MAX_GIF_FPS:
-            raise PlayerError(f"a gif shows at most {MAX_GIF_FPS} frames a second, not {film.fps}.")
-    else:
-        codec, arguments = "libx264", [*X264, *BT709]
-        if width % 2 or height % 2:
-            raise PlayerError(
-                f"sides of H.264 films are even numbers, not {width}x{height}; "
-                f"use --size {width + width % 2}x{height + height % 2}."
-            )
+    (width, height), webm = film.size, path.suffix.lower() == ".webm"
+    if not webm and (width % 2 or height % 2):
+        raise PlayerError(
+            f"sides of H.264 films are even numbers, not {width}x{height}; "
+            f"use --size {width + width % 2}x{height + height % 2}."
+        )
+    codec, options = ("libvpx-vp9", VP9) if webm else ("libx264", X264)
     with closing(film.pictures(clip, progress)) as pictures:
-        encode(pictures, film.frame_count(clip), film, path, codec, arguments)
+        encode(pictures, film.frame_count(clip), film, path, codec, [*options, *BT709])
+
+
+def write_gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
+    """A film that loops. Raises PlayerError where a GIF can't be so fast."""
+    if film.fps > MAX_GIF_FPS:
+        raise PlayerError(f"a gif shows at most {MAX_GIF_FPS} frames a second, not {film.fps}.")
+    days = film.days(clip)
+    samples = tuple(days[:: max(1, len(days) // PALETTE_SAMPLES)])
+    arguments = ("-vf", PALETTE.format(len(samples)), "-loop", "0", "-pix_fmt", "pal8")
+    sampled = replace(film, at=samples, every=None).pictures(clip, lambda done, total: None)
+    with closing(sampled), closing(film.pictures(clip, progress)) as frames:
+        encode(chain(sampled, frames), len(days), film, path, "gif", arguments)
 
 
 def encode(
