@@ -126,7 +126,9 @@ def play_command(
     clip = clips[0]
     if export is not None:
         opened = gclip.open(clip)
-        _check_field(opened, field)
+        known = [one.name for one in opened.fields]
+        if field and field not in known:
+            raise PlayerError(f"--field is {field}; the clip has {', '.join(known) or 'none'}.")
         film = player.export.Film(
             size=_size(size or SIZE),
             fps=fps,
@@ -162,13 +164,6 @@ def _day(clip: "Clip", text: str) -> float:
         dates = f" ({first.date} to {last.date})" if first.date else ""
         raise PlayerError(f"--day is {text}; a time from {span}{dates} is needed.")
     return day
-
-
-def _check_field(clip: "Clip", name: str) -> None:
-    known = [field.name for field in clip.fields]
-    if name and name not in known:
-        names = ", ".join(known) or "none; bake it with --fields NAMES"
-        raise PlayerError(f"--field is {name}; the clip's fields: {names}.")
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -1,7 +1,6 @@
 """One HTML file that shows the growing plant: no server, no other file, nothing from outside."""
 
 import base64
-from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
@@ -23,7 +22,7 @@ from player.rendering.ground import CONTACT_REACH, SHADOW_POINTS, SIDE, floor_sq
 from player.rendering.renderer import MIN_POINT_PX, scene_radius, splat_shape
 from player.rendering.shading import DEPTH_CUE
 from player.rendering.splat_radius import ClosingDistances
-from player.view.camera import Camera, axes
+from player.view.camera import MARGIN, Camera, axes, outline
 from player.view.colors import Colors, format_number
 from player.view.dates import date_at, elapsed, short_dates
 from player.view.style import GROUNDS, ColorMode
@@ -139,7 +138,7 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
             "texel": 2 * half_side / SIDE,
             "toSquare": to_square.T.ravel().tolist(),
         },
-        "home": asdict(home) | {"aspect": _narrowest(clip, film.aspect)},
+        "home": asdict(home) | {"aspect": _narrowest(clip, home)},
         "plotted": plotted(clip),
         "curves": _curves(clip),
         "axes": axes(clip.up).tolist(),
@@ -153,12 +152,11 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
     }
 
 
-def _narrowest(clip: Clip, aspect: float) -> float:
-    """The aspect of the narrowest picture that shows the plant as large as one of `aspect` does."""
-    aspects = np.linspace(0.2, 1.0, 51) * aspect
-    nearness = -1.01 * Camera.home(clip, aspect).distance
-    found = bisect_left(aspects, nearness, key=lambda other: -Camera.home(clip, other).distance)
-    return float(aspects[found])
+def _narrowest(clip: Clip, home: Camera) -> float:
+    """The aspect of the narrowest picture in which the plant is as large as in its home view."""
+    points = outline(clip) @ axes(clip.up)
+    right, _, _, depth = home.matrix(1.0) @ np.column_stack([points, np.ones(len(points))]).T
+    return float(np.abs(right / depth).max()) / MARGIN
 
 
 def _moments(clip: Clip) -> list[tuple[float, str, str]]:
