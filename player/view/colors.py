@@ -8,7 +8,7 @@ their colours off a ramp; other values stand in a copy of the clip as its own co
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache, cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,9 +143,13 @@ class Colors:
 
     def uniforms(self, style: Style) -> dict[str, object]:
         """How scalar_field.glsl gets from positions and velocities to values from 0 to 1."""
-        high, lowest = self._scale(style).high, float(outline(self._clip)[:, 2].min())
+        high = self._scale(style).high
         upward = axes(self._clip.up)[2] / high
-        return {"height_axis": (*upward.tolist(), -lowest / high), "max_speed": high}
+        return {"height_axis": (*upward.tolist(), -self._lowest / high), "max_speed": high}
+
+    @cached_property
+    def _lowest(self) -> float:
+        return float(outline(self._clip)[:, 2].min())
 
     def _scale(self, style: Style) -> ValueRange:
         """Of a mode that has a colour map."""
