@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from gclip import Clip
 from gclip.evaluate import evaluate_layer, layers_at, locate
 from gclip.text import printable
-from player.output_names import is_numbered, numbered
 from player.export.film import Film, Progress
 from player.output_names import is_numbered, numbered
 from player.view.dates import date_at
