@@ -82,9 +82,6 @@ class Style:
     #: lighting)
     eye_dome: float = 1.0
     show_ground: bool = True  #: a soft floor with the plant's shadow
-    #: diameter of all points in pixels of a picture 720 high, whatever their distance; None gives
-    #: them the size in the world that closes the surfaces
-    pixels: float | None = None
     picked: int | None = None  #: the track that is highlighted: all others stand back
     second: int | None = None  #: another one that is highlighted
     hidden: frozenset[int] = frozenset()  #: tracks that are not drawn

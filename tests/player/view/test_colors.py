@@ -133,22 +133,6 @@ def test_round_numbers(value: float, wanted: float) -> None:
     assert nice_ceil(value) == pytest.approx(wanted)
 
 
-def test_pixel_sized_points_do_not_grow_with_nearness(
-    context: moderngl.Context, make_clip: ClipMaker
-) -> None:
-    clip = make_clip()
-    sparse = replace(PLAIN, pixels=12.0)
-    covered = (
-        (
-            drawn(context, clip, 0.0, sparse)
-            != drawn(context, clip, 0.0, replace(sparse, hidden=frozenset((0, 1))))
-        )
-        .any(axis=2)
-        .mean()
-    )
-    assert covered > 0.05
-
-
 def test_a_newborn_organ_s_colour_changes_from_day_to_day(
     context: moderngl.Context, make_clip: ClipMaker
 ) -> None:
