@@ -20,7 +20,6 @@ def info_lines(clip: Clip, path: Path) -> Iterator[str]:
     """
     size, movers = path.stat().st_size, sum(map(len, clip.intervals))
     first, last, tracks = clip.scans[0], clip.scans[-1], clip.track_table
-    dates = {scan.time: scan.date or f"{scan.time:g}" for scan in clip.scans}
     extent = " × ".join(f"{high - low:.4g}" for low, high in zip(*clip.bounds, strict=True))
     colors = "of the scans" if clip.has_colors else "of the tracks"
     yield f"{path.name}: {size / 1e6:,.1f} MB, {movers:,} movers, {size / movers:.1f} B a mover"
@@ -41,15 +40,15 @@ def info_lines(clip: Clip, path: Path) -> Iterator[str]:
         events = [segment.event for segment in one.segments]
         counts = (str(events.count(event)) if events else "–" for event in ("birth", "loss"))
         kind = str(one.degree), "float32" if one.box is None else "16 bit", f"{len(one):,}"
-        rows.append((dates[one.start], dates[one.end], *counts, *kind))
+        rows.append((_date(clip, one.start), _date(clip, one.end), *counts, *kind))
     yield from _table(rows)
 
     rows = [("track", "kind", "grows from", "color", "born", "lost")]
     for track in tracks:
         parent = "" if track.parent is None else tracks[track.parent].name
-        born, color = dates.get(track.born, f"{track.born:g}"), "#{:02x}{:02x}{:02x}"
-        lost = "" if track.lost is None else dates.get(track.lost, f"{track.lost:g}")
-        rows.append((track.name, track.kind, parent, color.format(*track.color), born, lost))
+        color = "#{:02x}{:02x}{:02x}".format(*track.color)
+        life = (_date(clip, track.born), "" if track.lost is None else _date(clip, track.lost))
+        rows.append((track.name, track.kind, parent, color, *life))
     yield from _table(rows)
 
     yield ""
@@ -61,6 +60,10 @@ def info_lines(clip: Clip, path: Path) -> Iterator[str]:
             yield from (f"  {_short(item)}" for item in value)
         elif key not in FOR_PROGRAMS:
             yield f"{key}: {_short(value)}"
+
+
+def _date(clip: Clip, time: float) -> str:
+    return next((scan.date for scan in clip.scans if scan.time == time), "") or f"{time:g}"
 
 
 def _short(value: Any) -> str:
