@@ -12,7 +12,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from markupsafe import escape
 
@@ -197,6 +197,7 @@ def test_files_are_named_after_nothing_in_a_clip(tmp_path: Path, nasty: str) -> 
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(seed=st.integers(0, 2**32), use=st.sampled_from(["evaluated", "told", "loaded"]))
+@example(seed=4836, use="told")  # an interval ends where no scan is
 def test_whatever_is_opened_can_be_used(seed: int, use: str, tmp_path: Path) -> None:
     path = tmp_path / "x.gclip"
     path.write_bytes(hostile(Random(seed)))
