@@ -1,6 +1,5 @@
 """The command `play`: a clip in a window, a film, a picture, or a table of what it holds."""
 
-import math
 import re
 from functools import partial
 from pathlib import Path
@@ -65,69 +64,30 @@ def _flag(help: str, *names: str) -> Any:
 
 @app.command(epilog=EPILOG + help_text())
 def play_command(
-    clip: Annotated[Path, typer.Argument(metavar="CLIP", help="A growth clip, made by `bake`.")],
-    second: Annotated[
-        Path | None,
-        typer.Argument(metavar="[CLIP]", help="Another one, to play in step beside it."),
-    ] = None,
-    export: Annotated[
-        str | None,
-        _option("PATH", "Write film.mp4, still.png, plant.html, ...; see --list-exports."),
-    ] = None,
+    clips: Annotated[list[Path], typer.Argument(metavar="CLIP", help="A clip, or two in step.")],
+    export: Annotated[Path | None, _option("PATH", "Write film.mp4, ... (--list-exports).")] = None,
     info: Annotated[bool, _flag("Print what the clip holds.")] = False,
     list_exports: Annotated[
         bool, typer.Option(help="List what can be exported.", is_eager=True, callback=_list)
     ] = False,
     size: Annotated[str | None, _option("WxH", "Size in pixels; 1280x720 by default.")] = None,
     fps: Annotated[int, _option("N", "Frames a second.", min=1, max=240)] = 30,
-    seconds: Annotated[
-        float | None,
-        _option("S", "Length in seconds; 1.5 from scan to scan by default.", min=0, max=36000),
-    ] = None,
-    every: Annotated[
-        float | None, _option("T", "A frame of a film, or rows of a table, every T days.")
-    ] = None,
-    day: Annotated[
-        list[str] | None,
-        _option(
-            "DAY",
-            "The day of a picture, as a number or a date; the last scan's by default. Given "
-            "several times it makes frames/%04d.png.",
-        ),
-    ] = None,
+    seconds: Annotated[float | None, _option("S", "Length of a film.", min=0, max=36000)] = None,
+    every: Annotated[float | None, _option("T", "A frame every T days.", min=1e-6)] = None,
+    day: Annotated[list[str] | None, _option("DAY", "A picture's day or date; or several.")] = None,
     camera: Annotated[
-        str,
-        _option(
-            "still|turntable|PATH.json",
-            "turntable goes round the plant once; PATH.json is a camera path, made in the window.",
-        ),
+        str, _option("still|turntable|PATH.json", "turntable goes round once; or a camera path.")
     ] = STILL,
     color: Annotated[
-        ColorMode,
-        _flag(
-            "Colours of the scan, of each organ (track), or of a value. An error is the distance "
-            "from a scan left out by bake --holdout."
-        ),
+        ColorMode, _flag("Colour by scan, organ (track) or value; error needs bake --holdout.")
     ] = ColorMode.AUTO,
-    colormap: Annotated[
-        ColorMap, _flag("The colours of values, such as heights or growth rates.")
-    ] = ColorMap.AUTO,
-    field: Annotated[
-        str, _option("NAME", "The field that --color field shows; or the first.")
-    ] = "",
-    ground: Annotated[
-        GroundChoice | None, _flag("The background: dark, or the window's last.")
-    ] = None,
-    point_size: Annotated[
-        float, _option("FACTOR", "Multiply the points' size by this.", min=0.05, max=20)
-    ] = 1.0,
-    shading: Annotated[
-        float, _option("FACTOR", "Multiply the shading's strength by this.", min=0, max=5)
-    ] = 1.0,
+    colormap: Annotated[ColorMap, _flag("The colours of values, such as heights.")] = ColorMap.AUTO,
+    field: Annotated[str, _option("NAME", "The field that --color field shows.")] = "",
+    ground: Annotated[GroundChoice | None, _flag("By default dark, or the window's last.")] = None,
+    point_size: Annotated[float, _option("FACTOR", "Of the points' size.", min=0.05, max=20)] = 1.0,
+    shading: Annotated[float, _option("FACTOR", "Of the shading's strength.", min=0, max=5)] = 1.0,
     depth_cue: Annotated[bool, _flag("Let far parts fade.", "--depth-cue/--no-depth-cue")] = True,
-    floor: Annotated[
-        bool, _flag("Draw a floor with the plant's shadow.", "--floor/--no-floor")
-    ] = True,
+    floor: Annotated[bool, _flag("Draw a floor, with a shadow.", "--floor/--no-floor")] = True,
     title: Annotated[str, _option("TEXT", "A title in pictures, on pages and in tables.")] = "",
     date: Annotated[bool, _flag("Write the date into pictures.")] = False,
     scale_bar: Annotated[bool, _flag("Draw a scale bar into pictures.")] = False,
@@ -142,10 +102,17 @@ def play_command(
 
     Example:  play plant.gclip --export film.mp4 --camera turntable --date
     """
-    _check_numbers(every, seconds, point_size=point_size, shading=shading)
-    files = [clip] if second is None else [clip, second]
-    for file in files:
-        _check_baked(file)
+    for file in clips:
+        if file.is_dir() or file.suffix.lower() in SCANS:
+            folder = file if file.is_dir() else file.parent
+            raise PlayerError(f"{file} is not a growth clip; bake the scans first: bake {folder}")
+    path = None if camera in (STILL, TURNTABLE) else Path(camera)
+    if path is not None and path.suffix != ".json":
+        raise PlayerError(f"--camera is {camera}; still, turntable or a camera path is needed.")
+    if (export is not None) + info + len(clips) > 2:
+        raise PlayerError("one clip is needed, with --export or --info, or two without them.")
+    if every is not None and seconds is not None:
+        raise PlayerError("--every and --seconds each say how many frames; give one of them.")
     style = Style(
         color_by=color,
         color_map=colormap,
@@ -156,19 +123,17 @@ def play_command(
         eye_dome=shading,
         show_ground=floor,
     )
-    turning, path = camera == TURNTABLE, _camera_file(camera)
-    if second is not None and (export is not None or info):
-        raise PlayerError("two clips are played in step in the window only; give one of them.")
-    if export is not None and info:
-        raise PlayerError("--info and --export are two different jobs; give one of them.")
+    clip = clips[0]
     if export is not None:
-        output, opened = Path(export), gclip.open(clip)
-        _check_field(opened, field)
+        opened = gclip.open(clip)
+        known = [one.name for one in opened.fields]
+        if field and field not in known:
+            raise PlayerError(f"--field is {field}; the clip has {', '.join(known) or 'none'}.")
         film = player.export.Film(
             size=_size(size or SIZE),
             fps=fps,
             seconds=seconds,
-            turning=turning,
+            turning=camera == TURNTABLE,
             style=style,
             at=tuple(_day(opened, text) for text in day or []),
             every=every,
@@ -178,27 +143,17 @@ def play_command(
             name=printable(clip.stem),
             path=None if path is None else player.view.load_path(path, opened),
         )
-        player.export.check_look(film, output, force)
+        player.export.check_look(film, export, force)
         with StageProgress(quiet) as progress:
-            player.export.export(opened, film, output, partial(progress, "exporting"), force)
+            player.export.export(opened, film, export, partial(progress, "exporting"), force)
         if not quiet:
-            typer.echo(f"wrote {output}", err=True)
+            typer.echo(f"wrote {export}", err=True)
     elif info:
         for line in info_lines(gclip.open(clip), clip):
             typer.echo(printable(line, MAX_LETTERS))
     else:
-        look = style, _size(size) if size else None, ground, turning, path
-        player.window.start(files, *look, profile=profile)
-
-
-def _check_baked(file: Path) -> None:
-    """Tell those who play their scans what to do first."""
-    if file.is_dir() or file.suffix.lower() in SCANS:
-        what, folder = ("a folder", file) if file.is_dir() else ("a scan", file.parent)
-        raise PlayerError(
-            f"{file} is {what}, and not a growth clip; bake the scans first: "
-            f"bake {folder} -o plant.gclip, then play plant.gclip."
-        )
+        look = style, _size(size) if size else None, ground, camera == TURNTABLE, path
+        player.window.start(clips, *look, profile=profile)
 
 
 def _day(clip: "Clip", text: str) -> float:
@@ -209,35 +164,6 @@ def _day(clip: "Clip", text: str) -> float:
         dates = f" ({first.date} to {last.date})" if first.date else ""
         raise PlayerError(f"--day is {text}; a time from {span}{dates} is needed.")
     return day
-
-
-def _camera_file(camera: str) -> Path | None:
-    """The camera path that --camera names, if it does."""
-    if camera in (STILL, TURNTABLE):
-        return None
-    if not camera.endswith(".json"):
-        raise PlayerError(
-            f'--camera is "{camera}"; {STILL}, {TURNTABLE} or a camera path (.json) is needed.'
-        )
-    return Path(camera)
-
-
-def _check_field(clip: "Clip", name: str) -> None:
-    known = [field.name for field in clip.fields]
-    if name and name not in known:
-        names = ", ".join(known) or "none; bake it with --fields NAMES"
-        raise PlayerError(f"--field is {name}; the clip's fields: {names}.")
-
-
-def _check_numbers(every: float | None, seconds: float | None, **others: float) -> None:
-    options = {"every": every, "seconds": seconds, **others}
-    for name, value in options.items():
-        if value is not None and not math.isfinite(value):  # a range check lets "nan" pass
-            raise PlayerError(f"--{name.replace('_', '-')} is {value}; a finite number is needed.")
-    if every is not None and every <= 0.0:
-        raise PlayerError(f"--every is {every:g}; a time above 0 is needed.")
-    if every is not None and seconds is not None:
-        raise PlayerError("--every and --seconds each say how many frames; give one of them.")
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -8,13 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from gclip import Clip, HeldOutScan, Interval, ScanMark, Track
+    from gclip import Clip
 
 FOR_PROGRAMS = {"transforms", "origins"}  # matrices of provenance
-INTERVALS = ("from", "to", "born", "lost", "degree", "positions", "movers")
-TRACKS = ("track", "kind", "grows from", "color", "born", "lost")
-
-Row = Sequence[str]
 
 
 def info_lines(clip: Clip, path: Path) -> Iterator[str]:
@@ -23,7 +19,7 @@ def info_lines(clip: Clip, path: Path) -> Iterator[str]:
     Names come from a file: what is printed of them must be made safe (`gclip.text.printable`).
     """
     size, movers = path.stat().st_size, sum(map(len, clip.intervals))
-    first, last = clip.scans[0], clip.scans[-1]
+    first, last, tracks = clip.scans[0], clip.scans[-1], clip.track_table
     extent = " × ".join(f"{high - low:.4g}" for low, high in zip(*clip.bounds, strict=True))
     colors = "of the scans" if clip.has_colors else "of the tracks"
     yield f"{path.name}: {size / 1e6:,.1f} MB, {movers:,} movers, {size / movers:.1f} B a mover"
@@ -32,13 +28,29 @@ def info_lines(clip: Clip, path: Path) -> Iterator[str]:
         f"extent {extent} {clip.unit or 'units'}, up {clip.up}, point spacing {clip.spacing:.3g}, "
         f"colours {colors}"
     )
-    scans = ("scan", "date", clip.time_unit, "points")
-    yield from _table("Scans", scans, *(_scan(s, first.time, s.points) for s in clip.scans))
-    if clip.held_out:
-        held = (_scan(s, first.time, len(s.positions)) for s in clip.held_out)
-        yield from _table("Scans left out, to compare with", scans, *held)
-    yield from _table("Intervals", INTERVALS, *(_interval(clip, one) for one in clip.intervals))
-    yield from _table("Tracks", TRACKS, *(_track(clip, one) for one in clip.track_table))
+    scans: list[Any] = [(scan, scan.points, "") for scan in clip.scans]
+    scans += [(scan, len(scan.positions), "left out") for scan in clip.held_out]
+    rows: list[Sequence[str]] = [("scan", "date", clip.time_unit, "points", "")]
+    for scan, points, note in sorted(scans, key=lambda one: one[0].time):
+        rows.append((scan.name, scan.date, f"{scan.time - first.time:g}", f"{points:,}", note))
+    yield from _table(rows)
+
+    rows = [("from", "to", "born", "lost", "degree", "positions", "movers")]
+    for one in clip.intervals:
+        events = [segment.event for segment in one.segments]
+        counts = (str(events.count(event)) if events else "–" for event in ("birth", "loss"))
+        kind = str(one.degree), "float32" if one.box is None else "16 bit", f"{len(one):,}"
+        rows.append((_date(clip, one.start), _date(clip, one.end), *counts, *kind))
+    yield from _table(rows)
+
+    rows = [("track", "kind", "grows from", "color", "born", "lost")]
+    for track in tracks:
+        parent = "" if track.parent is None else tracks[track.parent].name
+        color = "#{:02x}{:02x}{:02x}".format(*track.color)
+        life = (_date(clip, track.born), "" if track.lost is None else _date(clip, track.lost))
+        rows.append((track.name, track.kind, parent, color, *life))
+    yield from _table(rows)
+
     yield ""
     for key, value in sorted(clip.provenance.items()):
         if key == "verdict" and isinstance(value, dict):
@@ -48,34 +60,6 @@ def info_lines(clip: Clip, path: Path) -> Iterator[str]:
             yield from (f"  {_short(item)}" for item in value)
         elif key not in FOR_PROGRAMS:
             yield f"{key}: {_short(value)}"
-
-
-def _scan(scan: ScanMark | HeldOutScan, first: float, points: int) -> Row:
-    return scan.name, scan.date, f"{scan.time - first:g}", f"{points:,}"
-
-
-def _interval(clip: Clip, interval: Interval) -> Row:
-    events = [segment.event for segment in interval.segments]
-    return (
-        _date(clip, interval.start),
-        _date(clip, interval.end),
-        str(events.count("birth")) if events else "–",
-        str(events.count("loss")) if events else "–",
-        str(interval.degree),
-        "float32" if interval.box is None else "16 bit",
-        f"{len(interval):,}",
-    )
-
-
-def _track(clip: Clip, track: Track) -> Row:
-    return (
-        track.name,
-        track.kind,
-        "" if track.parent is None else clip.track_table[track.parent].name,
-        "#{:02x}{:02x}{:02x}".format(*track.color),
-        _date(clip, track.born),
-        "" if track.lost is None else _date(clip, track.lost),
-    )
 
 
 def _date(clip: Clip, time: float) -> str:
@@ -91,10 +75,9 @@ def _short(value: Any) -> str:
     return value if isinstance(value, str) else json.dumps(value)
 
 
-def _table(title: str, *rows: Row) -> Iterator[str]:
-    """A title and columns of text."""
+def _table(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """Columns of text, the first row their titles."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    yield from ("", title)
+    yield ""
     for row in rows:
-        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        yield "  ".join(cells).rstrip()
+        yield "  ".join(cell.ljust(n) for cell, n in zip(row, widths, strict=True)).rstrip()

@@ -15,7 +15,7 @@ import sys
 import time
 from collections.abc import Callable
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +24,7 @@ from PIL import Image, ImageGrab
 import gclip
 from gclip import Clip
 from player.export import Film, export
+from player.export.annotations import annotated
 from player.rendering.headless import Offscreen
 from player.view.annotations import Annotations
 from player.view.camera import Camera
@@ -69,10 +70,11 @@ def growing(work: Path) -> None:
     days, home = film.days(clip), Camera.home(clip, film.aspect)
     frames = []
     with Offscreen(clip, size) as offscreen:
-        draw = film.painter(clip, offscreen)
         for number, day in enumerate(days):
             yaw = 0.9 * (number / (len(days) - 1) - 1.0)
-            frames.append(Image.fromarray(draw(day, home.orbit(yaw, 0.0))).convert("RGB"))
+            camera = home.orbit(yaw, 0.0)
+            picture = annotated(offscreen.picture(day, camera), day, camera, film, clip, None)
+            frames.append(Image.fromarray(picture).convert("RGB"))
     first, *others = frames
     first.save(
         HERE / "tomato.webp", save_all=True, append_images=others, duration=1000 // film.fps,
@@ -85,13 +87,10 @@ def stages(work: Path) -> None:
     clip, size = gclip.open(clip_of("tree", work)), (330, 420)
     first, last = clip.times[0], clip.times[-1]
     film = Film(size=size, style=Style(ground="light"), annotations=Annotations(date=True))
-    home = Camera.home(clip, film.aspect)
-    parts = []
+    days = tuple(first + (last - first) * (0.1 + 0.9 * step / 4) for step in range(5))
     with Offscreen(clip, size) as offscreen:
-        draw = film.painter(clip, offscreen)
-        for step in range(5):
-            day = first + (last - first) * (0.1 + 0.9 * step / 4)
-            parts.append(Image.fromarray(draw(day, home)).convert("RGB"))
+        pictures = list(replace(film, at=days).frames(clip, offscreen))
+    parts = [Image.fromarray(picture).convert("RGB") for picture in pictures]
     saved(beside(parts), "tree.jpg")
 
 

@@ -9,18 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.errors import PlayerError
-from player.view.annotations import (
-    BOLD,
-    REGULAR,
-    RGB,
-    draw_date,
-    draw_organs,
-    draw_ramp,
-    draw_scale_bar,
-    draw_title,
-    font_file,
-)
+from player.view.annotations import BOLD, LARGE, REGULAR, RGB, draw_annotations, font_file
 from player.view.camera import Camera
 from player.view.colors import ValueRange
 from player.view.style import GROUNDS
@@ -31,15 +20,6 @@ if TYPE_CHECKING:
 MARGIN = 30  # units
 HALO = 2  # about texts, that they can be read where they lie over the plant
 MIN_UNIT = 0.6  # pixels: the small text is then 9 of them high
-
-
-def check(film: Film, clip: Clip) -> None:
-    """Raise PlayerError for a legend of colours that mean nothing: the scans' own."""
-    if film.annotations.legend and film.style.color_mode(clip) == "scan":
-        raise PlayerError(
-            "--legend explains colours of organs and values, not the scans' own; "
-            "add --color track, age, speed, height or error, or leave it out."
-        )
 
 
 def annotated(
@@ -62,14 +42,8 @@ def annotated(
         return picture
     overlay = Image.new("RGBA", film.size, (0, 0, 0, 0))
     pen = PillowPen(ImageDraw.Draw(overlay), film)
-    if film.title:
-        draw_title(pen, film.title)
-    if wanted.date:
-        draw_date(pen, day, clip)
-    if wanted.scale:
-        draw_scale_bar(pen, camera, clip.unit)
-    if wanted.legend:
-        draw_organs(pen, clip.track_table) if values is None else draw_ramp(pen, values)
+    pen.text(0, 0, film.title, LARGE, bold=True)
+    draw_annotations(pen, wanted, day, camera, clip, values)
     return np.asarray(Image.alpha_composite(Image.fromarray(picture), overlay))
 
 
@@ -98,13 +72,11 @@ class PillowPen:
         )
 
     def box(self, x: float, y: float, width: float, height: float, color: RGB | None) -> None:
-        (x0, y0), wide, high = self._at(x, y), width * self._unit, height * self._unit
-        x1, y1 = x0 + (-wide if x < 0 else wide), y0 + (-high if y < 0 else high)
-        corners = (*sorted((x0, x1)), *sorted((y0, y1)))
-        left, right, top, bottom = (round(side) for side in corners)
-        self._draw.rectangle(
-            (left, top, max(right - 1, left), max(bottom - 1, top)), fill=color or self._text
-        )
+        corner, sides = np.array(self._at(x, y)), self._unit * np.array([width, height])
+        opposite = corner + np.where([x < 0, y < 0], -sides, sides)
+        first, end = np.round(np.sort([corner, opposite], axis=0)).astype(int)
+        box = (*first.tolist(), *np.maximum(end - 1, first).tolist())
+        self._draw.rectangle(box, fill=color or self._text)
 
     def _at(self, x: float, y: float) -> tuple[float, float]:
         width, height = self.size
@@ -116,13 +88,9 @@ class PillowPen:
 
 @cache
 def _font(name: str, size: float) -> Any:
-    """The window's own font, found without loading the window; else Pillow's.
-
-    Pillow's basic layout: with libraqm, where the system has that, letters would stand elsewhere.
+    """The window's own font, in Pillow's basic layout: with libraqm, where the system has that,
+    letters would stand elsewhere.
     """
     from PIL import ImageFont
 
-    file = font_file(name)
-    if not file:
-        return ImageFont.load_default(size)
-    return ImageFont.truetype(file, size, layout_engine=ImageFont.Layout.BASIC)
+    return ImageFont.truetype(font_file(name), size, layout_engine=ImageFont.Layout.BASIC)

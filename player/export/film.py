@@ -5,9 +5,11 @@ from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass, field
 from itertools import groupby
 
+import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
+from player.errors import PlayerError
 from player.export.annotations import annotated
 from player.rendering.headless import Offscreen
 from player.view.annotations import Annotations
@@ -65,39 +67,32 @@ class Film:
         """The day of every frame: real time, with a rest on the first and the last scan."""
         if self.at:
             return list(self.at)
-        count, first, last = self.frame_count(clip), clip.times[0], clip.times[-1]
+        count, ends = self.frame_count(clip), (clip.times[0], clip.times[-1])
         if self.every is not None:
-            return [min(first + i * self.every, last) for i in range(count)]
-        if count == 1:
-            return [last]
-        moving = 1.0 - HELD_FIRST - HELD_LAST
-        shares = [(i / (count - 1) - HELD_FIRST) / moving for i in range(count)]
-        return [first + min(max(share, 0.0), 1.0) * (last - first) for share in shares]
+            return [min(ends[0] + i * self.every, ends[1]) for i in range(count)]
+        shares = np.linspace(1.0, 0.0, count)[::-1]  # of the film; one frame shows the last scan
+        return np.interp(shares, (HELD_FIRST, 1.0 - HELD_LAST), ends).tolist()
 
     def frames(self, clip: Clip, offscreen: Offscreen) -> Iterator[NDArray]:
         """(height, width, 4) uint8 pictures, one after the other; while film and camera rest, the
         same one comes again, undrawn.
+
+        Raises PlayerError for a legend of colours that mean nothing: the scans' own.
         """
-        draw = self.painter(clip, offscreen)
+        values = Colors(clip).color_scale(self.style) if self.annotations.legend else None
+        if self.annotations.legend and self.style.color_mode(clip) == "scan":
+            raise PlayerError(
+                "--legend explains colours of organs and values, not the scans' own; "
+                "add --color track, age, speed, height or error, or leave it out."
+            )
         views = zip(self.days(clip), self.cameras(clip), strict=True)
         for (day, camera), resting in groupby(views):
-            picture = draw(day, camera)
+            plain = offscreen.picture(day, camera, self.style, self.transparent)
+            picture = annotated(plain, day, camera, self, clip, values)
             for _ in resting:
                 yield picture
 
-    def painter(self, clip: Clip, offscreen: Offscreen) -> Callable[[float, Camera], NDArray]:
-        """Draws the picture of a day, with all that is written into it."""
-        values = Colors(clip).color_scale(self.style) if self.annotations.legend else None
-
-        def draw(day: float, camera: Camera) -> NDArray:
-            plain = offscreen.picture(day, camera, self.style, self.transparent)
-            return annotated(plain, day, camera, self, clip, values)
-
-        return draw
-
-    def pictures(
-        self, clip: Clip, progress: Progress = lambda done, total: None
-    ) -> Generator[NDArray, None, None]:
+    def pictures(self, clip: Clip, progress: Progress) -> Generator[NDArray, None, None]:
         """The frames, each drawn as it is asked for.
 
         OpenGL starts with the first one: an encoder is started before, since drivers have threads
@@ -113,6 +108,6 @@ class Film:
     def cameras(self, clip: Clip) -> list[Camera]:
         """From where each frame is seen."""
         days, home = self.days(clip), Camera.home(clip, self.aspect, turning=self.turning)
-        turn = 2.0 * math.pi / len(days) if self.turning else 0.0
         starts = [self.path.at(day) if self.path else home for day in days]
+        turn = 2.0 * math.pi / len(days) if self.turning else 0.0
         return [camera.orbit(turn * index, 0.0) for index, camera in enumerate(starts)]

@@ -4,13 +4,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file, check_output
 from player.errors import PlayerError
-from player.export import gltf, image, ply, table, usd, video
-from player.export.annotations import check as check_annotations
+from player.export import gltf, image, ply, table, video
 from player.export.film import Film, Progress
 from player.export.web import page
 from player.output_names import check_sequence, is_numbered
@@ -20,25 +19,26 @@ from player.view.style import Style
 
 MOST = 200_000  # frames; more are a slip of the keyboard
 
-Writer = Callable[["Clip", Film, Path, Progress], None]
-Check = Callable[[Film], None]
-
 
 @dataclass(frozen=True)
 class Format:
     """One of the kinds of files that a clip can be written as."""
 
-    example: str  #: a name that asks for it; `about` says what it is and whom it is for
+    #: a name that asks for it; one with a place for a number asks for files of that name, one a
+    #: moment. `about` says what it is and whom it is for
+    example: str
     about: str
-    write: Writer  #: does it, to a file that takes the name that was asked for when it is whole
-    #: raises PlayerError, before any work, for a film that it can't hold
-    check: Check = lambda film: None
-    sequence: bool = False  #: numbered files, one a moment: the name has a place for a number
-    picture: bool = False  #: drawn, so that size, colours and stamps count
-    points: bool = False  #: one colour for each of the movers is all that it holds of colours
-    look: bool = True  #: whether colours and camera count, at least in part
+    #: does it, to a file that takes the name that was asked for when it is whole
+    write: Callable[[Clip, Film, Path, Progress], None]
+    #: what is in it: a picture is drawn, with all that is written into it; points have one colour
+    #: each; a page has colours and a camera; numbers are all that there is in a table
+    content: Literal["picture", "points", "page", "numbers"]
     days: int = 0  #: how many --day it takes: 0, 1, or 2 for any number
     also: tuple[str, ...] = ()  #: other suffixes that ask for it
+
+    @property
+    def sequence(self) -> bool:
+        return is_numbered(Path(self.example))
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -61,12 +61,9 @@ def export(
     count = film.frame_count(clip)
     if count > MOST:
         raise PlayerError(f"{count} frames would be written; at most {MOST} are.")
-    if chosen.picture:
-        check_annotations(film, clip)
-    colors = Colors(clip)
-    coloring = colors.clip_with_constant_colors if chosen.points else colors.clip_with_colors
+    colored = Colors(clip).clip_with_colors(film.style, as_file=chosen.content == "points")
     with atomic_file(path, force, chosen.sequence) as part:
-        chosen.write(coloring(film.style), film, part, progress)
+        chosen.write(colored, film, part, progress)
 
 
 def film(clip: Clip, path: str | PathLike[str], **choices: Any) -> None:
@@ -97,8 +94,6 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
     """How to write `path`; refuses here, before any work, what can't come out well, and where it is
     not to be forced, what would overwrite something.
     """
-    if path.is_dir():
-        raise PlayerError(f"{path} is a folder; a file's name, like film.mp4, is needed.")
     suffix = path.suffix.lower()
     known = [one for one in FORMATS if suffix in one.suffixes]
     if not known:
@@ -106,14 +101,8 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
         found = f'has the unknown suffix "{suffix}"' if suffix else "has no suffix"
         raise PlayerError(f"{path} {found}; the suffix says what is written: {names}.")
     numbered = any(one.sequence for one in known) and is_numbered(path)
-    fitting = [one for one in known if one.sequence == numbered]
-    if not fitting:
-        raise PlayerError(
-            f"{path.name}: one file a moment is written, so its name needs a number, "
-            f"like {known[0].example}."
-        )
-    chosen = fitting[0]
-    (check_sequence if chosen.sequence else check_output)(path, force)
+    chosen = next(one for one in known if one.sequence == numbered)
+    (check_sequence if numbered else check_output)(path, force)
     if len(film.at) > 1 and chosen.days == 1:
         raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
     if film.at and not chosen.days:
@@ -122,51 +111,29 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
         raise PlayerError(f"--transparent is for PNG pictures; {path.name} holds no transparency.")
     if film.at and film.every is not None:
         raise PlayerError("--day and --every each say which moments to show; give one of them.")
-    chosen.check(film)
     return chosen
 
 
 def check_look(film: Film, path: Path, force: bool) -> None:
     """Refuse what `format_of` refuses, and a look that the format has no room for."""
-    chosen = format_of(path, film, force)
-    if film.annotations != Annotations() and not chosen.picture:
+    content = format_of(path, film, force).content
+    if film.annotations != Annotations() and content != "picture":
         raise PlayerError(
             f"--date, --scale-bar and --legend write into pictures and films; {path} is neither."
         )
-    if not chosen.look and (film.style != Style() or film.turning or film.path):
+    if content == "numbers" and (film.style != Style() or film.turning or film.path):
         raise PlayerError(f"{path} holds numbers alone: it has no colours, no floor, no camera.")
 
 
 FORMATS: tuple[Format, ...] = (
-    Format(
-        "film.mp4", "film that plays everywhere (H.264)", video.write,
-        video.check_h264, picture=True, also=(".mov",),
-    ),
-    Format("film.gif", "film for pages and slides", video.write_gif, video.check_gif, picture=True),
-    Format("film.webm", "film for web pages (VP9)", video.write, picture=True),
-    Format(
-        "still.png", "one picture", image.write, picture=True, days=1, also=image.JPEG_SUFFIXES
-    ),
-    Format(
-        "frames/%04d.png", "pictures, one a frame", image.write,
-        sequence=True, picture=True, days=2, also=image.JPEG_SUFFIXES,
-    ),
-    Format("plant.html", "one page to turn and play in any browser, offline", page.write),
-    Format("cloud.ply", "one point cloud, for any program", ply.write, points=True, days=1),
-    Format(
-        "clouds/%04d.ply", "point clouds, one a frame, for Blender, CloudCompare, Unity",
-        ply.write, sequence=True, points=True, days=2,
-    ),
-    Format(
-        "plant.glb", "animated points, for Blender, three.js, viewers (glTF)", gltf.write,
-        points=True,
-    ),
-    Format(
-        "plant.usd", "points with time samples, for Houdini, Omniverse, Unreal", usd.write,
-        usd.check, points=True, also=(".usda", ".usdc", ".usdz"),
-    ),
-    Format(
-        "traits.csv", "height, length, area, volume, angle, growth of each organ", table.write,
-        look=False, days=2,
-    ),
-)  # fmt: skip
+    Format("film.mp4", "film that plays everywhere", video.write, "picture", also=(".mov",)),
+    Format("film.gif", "film for pages and slides", video.write_gif, "picture"),
+    Format("film.webm", "film for web pages (VP9)", video.write, "picture"),
+    Format("still.png", "one picture", image.write, "picture", 1, image.JPEG_SUFFIXES),
+    Format("frames/%04d.png", "frames as pictures", image.write, "picture", 2, image.JPEG_SUFFIXES),
+    Format("plant.html", "one page to turn and play in any browser, offline", page.write, "page"),
+    Format("cloud.ply", "one point cloud, for any program", ply.write, "points", 1),
+    Format("clouds/%04d.ply", "point clouds, one a frame, for Blender", ply.write, "points", 2),
+    Format("plant.glb", "animated points, for Blender, three.js (glTF)", gltf.write, "points"),
+    Format("traits.csv", "lengths, areas, growth of each organ", table.write, "numbers", 2),
+)

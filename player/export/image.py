@@ -14,7 +14,7 @@ from player.export.film import Film, Progress
 from player.output_names import is_numbered, numbered
 
 JPEG_SUFFIXES = (".jpg", ".jpeg")
-JPEG = {"quality": 92, "subsampling": 0}  # thin leaves keep their colour
+JPEG = {"extension": ".jpg", "quality": 92, "subsampling": 0}  # thin leaves keep their colour
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
@@ -32,19 +32,13 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
 
 
 def _save(picture: NDArray[np.uint8], path: Path, view: NDArray[np.floating]) -> None:
+    import imageio.v3 as iio
     from PIL.PngImagePlugin import PngInfo
 
-    if path.suffix.lower() in JPEG_SUFFIXES:
-        path.write_bytes(_encoded(picture[..., :3], ".jpg", **JPEG))
-        return
-    metadata = PngInfo()
+    is_jpeg, metadata = path.suffix.lower() in JPEG_SUFFIXES, PngInfo()
     metadata.add_text("view", json.dumps(view.tolist()))
-    opaque = bool((picture[..., 3] == 255).all())
-    path.write_bytes(_encoded(picture[..., :3] if opaque else picture, pnginfo=metadata))
-
-
-def _encoded(picture: NDArray[np.uint8], extension: str = ".png", **options: Any) -> bytes:
-    """The bytes of a file. One that imageio wrote itself would tell of a full disk twice."""
-    import imageio.v3 as iio
-
-    return iio.imwrite("<bytes>", picture, extension=extension, plugin="pillow", **options)
+    options: dict[str, Any] = JPEG if is_jpeg else {"extension": ".png", "pnginfo": metadata}
+    if is_jpeg or (picture[..., 3] == 255).all():
+        picture = picture[..., :3]
+    # A file that imageio wrote itself would tell of a full disk twice.
+    path.write_bytes(iio.imwrite("<bytes>", picture, plugin="pillow", **options))

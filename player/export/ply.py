@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.evaluate import evaluate_layer, layers_at, locate
+from gclip.text import printable
 from player.export.film import Film, Progress
 from player.output_names import is_numbered, numbered
 from player.view.dates import date_at
@@ -28,9 +29,9 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     progress(0, len(days))
     for number, day in enumerate(days):
         vertices = cloud_at(clip, day)
-        seen = vertices["alpha"] > 0
-        kept = vertices if is_numbered(path) else vertices[seen]
-        _save(clip, day, kept, numbered(path, number))
+        if not is_numbered(path):
+            vertices = vertices[vertices["alpha"] > 0]
+        _save(clip, day, vertices, numbered(path, number))
         progress(number + 1, len(days))
 
 
@@ -60,10 +61,8 @@ def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:
     columns = dict(zip("xyz", world.T.astype("<f8" if coarse else "<f4"), strict=True))
     columns |= dict(zip(("red", "green", "blue", "alpha"), paint.T, strict=True))
     columns["scalar_label"] = interval.tracks.astype("<f4")
-    vertices = np.empty(len(world), [(name, column.dtype) for name, column in columns.items()])
-    for name, column in columns.items():
-        vertices[name] = column
-    return vertices
+    types = [(name, column.dtype) for name, column in columns.items()]
+    return np.rec.fromarrays(list(columns.values()), types)
 
 
 def _save(clip: Clip, day: float, vertices: NDArray[np.void], path: Path) -> None:
@@ -80,5 +79,5 @@ def _save(clip: Clip, day: float, vertices: NDArray[np.void], path: Path) -> Non
         "end_header",
     ]
     # What a clip says must not become a line of its own.
-    lines = ("".join(c if c.isascii() and c.isprintable() else "?" for c in s) for s in header)
-    path.write_bytes("".join(f"{line}\n" for line in lines).encode() + vertices.tobytes())
+    text = "".join(f"{printable(line)}\n" for line in header)
+    path.write_bytes(text.encode("ascii", "replace") + vertices.tobytes())

@@ -28,49 +28,45 @@ BT709 = (
 # spends bits on dark surfaces.
 X264 = ("-preset", "medium", "-crf", "18", "-x264-params", "aq-mode=3", "-movflags", "+faststart")
 VP9 = ("-crf", "16", "-b:v", "0", "-deadline", "good", "-cpu-used", "4", "-tile-columns", "2")
+# One palette for a whole GIF, from pictures before its first frame. With one for each frame, all of
+# a picture would change from frame to frame: seven times the bytes.
+PALETTE = (
+    "split[sampled][all];[sampled]trim=end_frame={0},palettegen[palette];"
+    "[all]trim=start_frame={0},setpts=PTS-STARTPTS[film];"
+    "[film][palette]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
+)
 # The same pictures give the same bytes: no version or date is written, threads are a fixed number.
 REPRODUCIBLE = (
     *("-threads", "4", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1"),
 )
 
 
-def check_h264(film: Film) -> None:
-    """Raise PlayerError where H.264 can't hold the size."""
-    if film.size[0] % 2 or film.size[1] % 2:
-        width, height = (side + side % 2 for side in film.size)
-        raise PlayerError(
-            f"sides of H.264 films are even numbers, not {film.size[0]}x{film.size[1]}; "
-            f"use --size {width}x{height}."
-        )
-
-
-def check_gif(film: Film) -> None:
-    """Raise PlayerError where a GIF can't be so fast."""
-    if film.fps > MAX_GIF_FPS:
-        raise PlayerError(f"a gif shows at most {MAX_GIF_FPS} frames a second, not {film.fps}.")
-
-
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """H.264, which plays everywhere, as .mp4 or .mov; or VP9, free of patents, as .webm."""
-    webm = path.suffix.lower() == ".webm"
+    """H.264, which plays everywhere, as .mp4 or .mov; or VP9, free of patents, as .webm.
+
+    Raises PlayerError where H.264 can't hold the size.
+    """
+    (width, height), webm = film.size, path.suffix.lower() == ".webm"
+    if not webm and (width % 2 or height % 2):
+        raise PlayerError(
+            f"sides of H.264 films are even numbers, not {width}x{height}; "
+            f"use --size {width + width % 2}x{height + height % 2}."
+        )
     codec, options = ("libvpx-vp9", VP9) if webm else ("libx264", X264)
     with closing(film.pictures(clip, progress)) as pictures:
         encode(pictures, film.frame_count(clip), film, path, codec, [*options, *BT709])
 
 
 def write_gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """A film that loops, with one palette for all of it."""
+    """A film that loops. Raises PlayerError where a GIF can't be so fast."""
+    if film.fps > MAX_GIF_FPS:
+        raise PlayerError(f"a gif shows at most {MAX_GIF_FPS} frames a second, not {film.fps}.")
     days = film.days(clip)
-    samples = days[:: max(1, len(days) // PALETTE_SAMPLES)]
-    palette = (
-        f"split[sampled][all];[sampled]trim=end_frame={len(samples)},palettegen[palette];"
-        f"[all]trim=start_frame={len(samples)},setpts=PTS-STARTPTS[film];"
-        "[film][palette]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
-    )
-    arguments = ("-vf", palette, "-loop", "0")
-    sampled = replace(film, at=tuple(samples), every=None).pictures(clip)
+    samples = tuple(days[:: max(1, len(days) // PALETTE_SAMPLES)])
+    arguments = ("-vf", PALETTE.format(len(samples)), "-loop", "0", "-pix_fmt", "pal8")
+    sampled = replace(film, at=samples, every=None).pictures(clip, lambda done, total: None)
     with closing(sampled), closing(film.pictures(clip, progress)) as frames:
-        encode(chain(sampled, frames), len(days), film, path, "gif", arguments, pixels="pal8")
+        encode(chain(sampled, frames), len(days), film, path, "gif", arguments)
 
 
 def encode(
@@ -80,13 +76,11 @@ def encode(
     path: Path,
     codec: str,
     arguments: Sequence[str],
-    pixels: str = "yuv420p",
 ) -> None:
     """Pipe pictures, (height, width, 4) uint8 of the film's size, through ffmpeg into a file.
 
-    count:                    how many frames the file must have in the end.
-    codec, arguments, pixels: as ffmpeg names them: the encoder, its options, the format of its
-                              pixels.
+    count:            how many frames the file must have in the end.
+    codec, arguments: as ffmpeg names them: the encoder, and its options.
     Raises PlayerError if ffmpeg is missing or gives up.
     """
     from imageio_ffmpeg import count_frames_and_secs, get_ffmpeg_exe, write_frames
@@ -98,7 +92,6 @@ def encode(
         file,
         film.size,
         pix_fmt_in="rgba",
-        pix_fmt_out=pixels,
         fps=film.fps,
         quality=None,
         codec=codec,

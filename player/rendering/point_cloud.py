@@ -54,10 +54,10 @@ class PointCloud:
         texels[:tracks] = self._colors.palette(day, style)
         self.palette.write(texels)
         self._ramp.write(self._colors.ramp(style))
-        self._definitions = {"SCALAR_FIELD": int(field), "HAS_FLAGS": int(style.marked)}
+        self._definitions = {"SCALAR_FIELD": field, "HAS_FLAGS": int(style.marked)}
         self._color_uniforms = {"palette": self.palette, "ramp": self._ramp, "by_track": by_track}
         if field:
-            self._color_uniforms |= self._colors.uniforms()
+            self._color_uniforms |= self._colors.uniforms(style)
         uncolored = by_track or not self.clip.has_colors
         self.tracks_tell_colors = not field and uncolored and tracks <= MAX_TRACKS
         self._colored = day, style

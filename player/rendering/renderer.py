@@ -177,14 +177,10 @@ class Renderer:
             ranges = self._points.buffers.load(ranges, upload_budget)
         natural, edge = splat_shape(self.clip)
         radius = natural * style.point_size * self._closing.at(day) * math.sqrt(stride)
-        smallest = MIN_POINT_PX * self.supersample
-        if style.pixels is not None:
-            radius, edge = 1e-6 * radius, FACING[1]
-            smallest = max(style.pixels * samples[1] / 720, smallest)
-        sizes = (smallest, self._max_point_px)
+        sizes = (MIN_POINT_PX * self.supersample, self._max_point_px)
         splats = SplatParams(camera, samples, radius, sizes, self._scene_radius, edge)
         missing = sum(drawn.missing for drawn in ranges)
-        if missing and style.pixels is None:
+        if missing:
             # Whole blocks of neighbours are missing until they are uploaded; larger splats fill
             # the gaps, as long as they are drawn fast.
             drawn = max(sum(one.count for one in ranges), 1)

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib.util import find_spec
+from importlib.metadata import distribution
 from pathlib import Path
 from typing import Protocol
 
@@ -45,9 +45,7 @@ class Pen(Protocol):
     Negative x is counted from the right, and texts end there; negative y from below.
     """
 
-    @property
-    def size(self) -> tuple[float, float]:
-        """Width and height of the picture, in units."""
+    size: tuple[float, float]  #: width and height of the picture, in units
 
     def text(
         self, x: float, y: float, text: str, size: float, bold: bool = False, muted: bool = False
@@ -58,9 +56,16 @@ class Pen(Protocol):
         """A filled box, placed as a text is; None has the text's colour."""
 
 
-def draw_title(pen: Pen, title: str) -> None:
-    """Above on the left."""
-    pen.text(0, 0, title, LARGE, bold=True)
+def draw_annotations(
+    pen: Pen, wanted: Annotations, day: float, camera: Camera, clip: Clip, ramp: ValueRange | None
+) -> None:
+    """What is wanted in a picture; ramp: what its legend explains, if not the organs' colours."""
+    if wanted.date:
+        draw_date(pen, day, clip)
+    if wanted.scale:
+        draw_scale_bar(pen, camera, clip.unit)
+    if wanted.legend:
+        draw_organs(pen, clip.track_table) if ramp is None else draw_ramp(pen, ramp)
 
 
 def draw_date(pen: Pen, day: float, clip: Clip) -> None:
@@ -113,9 +118,6 @@ def round_length(longest: float) -> float:
 
 @cache
 def font_file(name: str) -> str:
-    """The path of REGULAR, BOLD or ICONS; "" where imgui-bundle is not installed."""
-    spec = find_spec("imgui_bundle")
-    for folder in (spec.submodule_search_locations or ()) if spec else ():
-        for path in sorted((Path(folder) / "assets" / "fonts").rglob(name)):
-            return str(path)
-    return ""
+    """The path of REGULAR, BOLD or ICONS, found without loading imgui-bundle."""
+    folder = distribution("imgui-bundle").locate_file("imgui_bundle/assets/fonts")
+    return str(next(Path(str(folder)).rglob(name)))

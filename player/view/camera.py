@@ -59,9 +59,13 @@ class Camera:
         radius = float(np.linalg.norm(points - middle, axis=1).max())
         # A plant may be one point, and far from the origin.
         radius = max(radius, 1e-6, 1e-9 * float(np.abs(middle).max()))
-        yaw, target = _widest_yaw(points[:, :2]), triple(middle @ frame)
-        fit = cls.fitted_to_turns if turning else cls._centred
-        return fit(cls(target, yaw=yaw, up=clip.up, radius=radius), points @ frame, aspect)
+        # Along the narrowest spread, from the side that is nearer to the usual one.
+        _, directions = np.linalg.eigh(np.cov(points[:, :2].T))
+        yaw = math.atan2(directions[1, 0], directions[0, 0])
+        yaw = yaw if math.cos(yaw - YAW) >= 0.0 else yaw + math.pi
+        camera = cls(triple(middle @ frame), yaw=yaw, up=clip.up, radius=radius)
+        fitted = camera.fitted_to_turns if turning else camera._centred
+        return fitted(points @ frame, aspect)
 
     def fitted_to_turns(self, points: Vector, aspect: float) -> Self:
         """As near as all of (n, 3) points are in the picture from every yaw."""
@@ -100,9 +104,8 @@ class Camera:
         """Shift the picture right and up by shares of its height, at the target's depth."""
         height = 2.0 * self.distance * math.tan(self.field_of_view / 2)
         right, above, _ = self._frame()
-        return replace(
-            self, target=triple(np.asarray(self.target) - height * (dx * right + dy * above))
-        )
+        target = self.target - height * (dx * right + dy * above)
+        return replace(self, target=triple(target))
 
     def zoom(self, factor: float) -> Self:
         """Come nearer by a factor above 1, go away by one below."""
@@ -165,19 +168,15 @@ class Camera:
     def projection(self, aspect: float) -> Vector:
         """(4, 4) from the eye's coordinates to OpenGL's clip coordinates: M @ column."""
         near, far, slope = self.near, self.far, math.tan(self.field_of_view / 2)
+        depth = near - far
         if self.orthographic:
             half = slope * self.distance
-            matrix = np.diag([1.0 / (half * aspect), 1.0 / half, 2.0 / (near - far), 1.0])
-            matrix[2, 3] = (near + far) / (near - far)
-            return matrix
-        return np.array(
-            [
-                [1.0 / (slope * aspect), 0.0, 0.0, 0.0],
-                [0.0, 1.0 / slope, 0.0, 0.0],
-                [0.0, 0.0, (near + far) / (near - far), 2.0 * near * far / (near - far)],
-                [0.0, 0.0, -1.0, 0.0],
-            ]
-        )
+            matrix = np.diag([1.0 / (half * aspect), 1.0 / half, 2.0 / depth, 1.0])
+            matrix[2, 3] = (near + far) / depth
+        else:
+            matrix = np.diag([1.0 / (slope * aspect), 1.0 / slope, (near + far) / depth, 0.0])
+            matrix[2, 3], matrix[3, 2] = 2.0 * near * far / depth, -1.0
+        return matrix
 
     def matrix(self, aspect: float) -> Vector:
         """(4, 4) from local coordinates to OpenGL's clip coordinates: M @ column."""
@@ -210,14 +209,6 @@ def stem(clip: Clip) -> Vector:
     standing = np.isin(first.tracks, roots[:1])
     points = first.local[standing] if standing.any() else first.local
     return np.asarray(np.median(points @ axes(clip.up).T, axis=0)[:2])
-
-
-def _widest_yaw(horizontal: Vector) -> float:
-    """The yaw, of the two that look along the narrowest spread, that is nearer to the usual one."""
-    _, directions = np.linalg.eigh(np.cov(horizontal.T))
-    yaw = math.atan2(directions[1, 0], directions[0, 0])
-    opposite = yaw + math.pi
-    return min((yaw, opposite), key=lambda angle: abs(math.remainder(angle - YAW, 2 * math.pi)))
 
 
 def triple(vector: Vector) -> tuple[float, float, float]:

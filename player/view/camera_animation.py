@@ -18,8 +18,7 @@ from gclip.terminal.atomic import atomic_file
 from player.errors import PlayerError
 from player.view.camera import Camera, triple
 
-MAX_KEYS = 10_000  # more are no path that someone made
-MAX_FILE_SIZE = 1 << 22  # bytes
+MAX_FILE_SIZE = 1 << 20  # bytes; more are no path that someone made
 
 Number = Annotated[float, Meta(gt=-1e300, lt=1e300)]
 
@@ -34,20 +33,13 @@ class Key(Struct, frozen=True):
     pitch: Number
     field_of_view: Annotated[float, Meta(ge=0.1, le=150.0)]
 
-    def camera(self, home: Camera, clip: Clip) -> Camera:
-        """The clip's own camera; home: any of its cameras."""
-        target = triple(np.subtract(self.target, clip.origin))
-        view = math.radians(self.field_of_view)
-        camera = replace(home, target=target, distance=self.distance, field_of_view=view)
-        return camera.looking(math.radians(self.yaw), math.radians(self.pitch))
-
 
 class Document(Struct):
     """The file."""
 
     camera_path: Literal[1]
     up: str
-    keys: Annotated[list[Key], Meta(min_length=1, max_length=MAX_KEYS)]
+    keys: Annotated[list[Key], Meta(min_length=1)]
 
 
 @dataclass(frozen=True)
@@ -61,24 +53,23 @@ class CameraPath:
 
     def with_key(self, day: float, camera: Camera) -> Self:
         """Add a key, in the place of one of the same day."""
-        others = [key for key in self.keys if key[0] != day]
-        return type(self)(tuple(sorted([*others, (day, camera)], key=lambda key: key[0])))
+        keys = dict(self.keys) | {day: camera}
+        return type(self)(tuple(sorted(keys.items(), key=lambda key: key[0])))
 
     def at(self, day: float) -> Camera:
         """The camera on a day: passes through every key, without a jerk (Akima 1970, in scipy's
         modified form, which does not overshoot); before the first key and after the last it rests.
         """
-        first, last = self.keys[0], self.keys[-1]
+        (first, camera), (last, _) = self.keys[0], self.keys[-1]
         if len(self.keys) == 1:
-            return first[1]
-        values = self._curve(min(max(day, first[0]), last[0]))
-        target, (away, yaw, pitch, view) = values[:3], values[3:]
+            return camera
+        *target, away, yaw, pitch, view = self._curve(min(max(day, first), last)).tolist()
         return replace(
-            first[1],
+            camera,
             target=triple(target),
             distance=math.exp(away),
             yaw=math.remainder(yaw, 2.0 * math.pi),
-            pitch=float(pitch),
+            pitch=pitch,
             field_of_view=2.0 * math.atan(math.exp(view)),
         )
 
@@ -86,14 +77,13 @@ class CameraPath:
     def _curve(self) -> Callable[[float], NDArray[np.float64]]:
         from scipy.interpolate import Akima1DInterpolator
 
-        days = np.array([day for day, _ in self.keys])
-        cameras = [camera for _, camera in self.keys]
+        days, cameras = zip(*self.keys, strict=True)
         yaws = np.unwrap([camera.yaw for camera in cameras])  # the short way round
         values = [
             (*c.target, math.log(c.distance), yaw, c.pitch, math.log(math.tan(c.field_of_view / 2)))
             for c, yaw in zip(cameras, yaws, strict=True)
         ]
-        return Akima1DInterpolator(days, np.array(values), method="makima")
+        return Akima1DInterpolator(days, values, method="makima")
 
 
 def save_path(path: CameraPath, clip: Clip, file: Path) -> None:
@@ -115,7 +105,11 @@ def load_path(file: Path, clip: Clip) -> CameraPath:
     document = read_config(file, Document, MAX_FILE_SIZE)
     if document.up != clip.up:
         raise PlayerError(f"{file}: up is {document.up[:20]!r}; the clip's is {clip.up!r}.")
-    home, keys = Camera.home(clip), sorted(document.keys, key=lambda key: key.day)
-    if len({key.day for key in keys}) < len(keys):
+    if len({key.day for key in document.keys}) < len(document.keys):
         raise PlayerError(f"{file}: two keys have the same day.")
-    return CameraPath(tuple((key.day, key.camera(home, clip)) for key in keys))
+    home, keys = Camera.home(clip), []
+    for key in sorted(document.keys, key=lambda key: key.day):
+        target, view = triple(np.subtract(key.target, clip.origin)), math.radians(key.field_of_view)
+        camera = replace(home, target=target, distance=key.distance, field_of_view=view)
+        keys.append((key.day, camera.looking(math.radians(key.yaw), math.radians(key.pitch))))
+    return CameraPath(tuple(keys))

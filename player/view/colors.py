@@ -8,13 +8,12 @@ their colours off a ramp; other values stand in a copy of the clip as its own co
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from enum import IntEnum
-from functools import cached_property
+from functools import cache, cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Clip, Interval, PointField
+from gclip import Clip, Interval
 from gclip.evaluate import locate, palette_at, positions_on_curve, srgb_to_linear
 from player.errors import PlayerError
 from player.view.camera import axes, outline
@@ -22,20 +21,14 @@ from player.view.holdout_error import held_out_as_clip, holdout_errors
 from player.view.style import ColorMap, ColorMode, Style
 from traits.growth_rate import growth_rates
 
+Values = Sequence[NDArray[np.floating]]  # of each interval's movers, as `ValueRange.painted` has it
+
 STEPS = 256  # texels of a ramp
 SAMPLE = 20_000  # movers of an interval that the range of speeds is found from
 FAST = 0.98  # share of the movers that are slower than the fastest colour says
 BACK = 0.12  # how much of their own colour organs keep beside a highlighted one
 UNKNOWN = np.array([150, 150, 150], np.uint8)  # sRGB of movers whose value is not known
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB (IEC 61966-2-1)
-
-
-class ScalarField(IntEnum):
-    """What the shaders find a value of; their VALUED."""
-
-    NONE = 0
-    HEIGHT = 1
-    SPEED = 2
 
 
 @dataclass(frozen=True)
@@ -80,92 +73,48 @@ class Colors:
 
     def __init__(self, clip: Clip) -> None:
         self._clip = clip
+        self._values = cache(partial(values_of, clip))
 
     def color_scale(self, style: Style) -> ValueRange | None:
         """What to explain in a legend; None for the scans' and the organs' own colours.
 
         Raises PlayerError for fields and errors where the clip holds none.
         """
-        clip, mode = self._clip, style.color_mode(self._clip)
-        if lacking := mode.lacking(clip):
-            raise PlayerError(lacking)
-        unit, time = clip.unit or "units", clip.time_unit.removesuffix("s")
-        title = mode.label
-        match mode:
-            case ColorMode.AGE:
-                found = 0.0, clip.times[-1] - clip.times[0], clip.time_unit
-            case ColorMode.HEIGHT:
-                found = 0.0, self._heights[1] - self._heights[0], unit
-            case ColorMode.SPEED:
-                found = 0.0, self._fastest, f"{unit} a {time}"
-            case ColorMode.GROWTH:
-                found = 0.0, _high_end(self._growth), f"% a {time}"
-            case ColorMode.FIELD:
-                title, field = self._field(style).name, _known(self._field(style).values)
-                low, high = np.quantile(field, [1.0 - FAST, FAST]) if len(field) else (0.0, 1.0)
-                found = float(low), float(max(high, low + 1e-9)), ""
-            case ColorMode.ERROR:
-                title += " against a scan left out"
-                found = 0.0, _high_end(self._errors), unit
-            case _:
-                return None
-        map = mode.colormap if style.color_map == ColorMap.AUTO else style.color_map
-        return ValueRange(title, *found, str(map))
+        return self._scale(style) if style.color_mode(self._clip).colormap else None
 
-    def clip_with_colors(self, style: Style) -> Clip:
+    def clip_with_colors(self, style: Style, as_file: bool = False) -> Clip:
         """The clip to draw: a copy with values as colours where a style shows such.
 
-        Raises PlayerError as `color_scale` does.
+        as_file: to write into files that hold one colour a mover: then without the scans' colours
+                 where a style shows the organs'.
+        Raises PlayerError as `color_scale` does, and for files of values that change while the
+        plant grows.
         """
-        painted = style.color_mode(self._clip).painted
-        scale = self.color_scale(style) if painted else None
-        if scale is None:
-            return self._clip
-        pairs = zip(self._clip.intervals, self._values(style), strict=True)
-        return replace(self._clip, intervals=tuple(scale.painted(*pair) for pair in pairs))
-
-    def _values(self, style: Style) -> Sequence[NDArray[np.floating]]:
-        """Of each interval's movers, as `ValueRange.painted` takes them."""
-        match style.color_mode(self._clip):
-            case ColorMode.GROWTH:
-                return self._growth
-            case ColorMode.ERROR:
-                return self._errors
-        return self._field(style).values
-
-    def _field(self, style: Style) -> PointField:
-        fields = self._clip.fields
-        return next((field for field in fields if field.name == style.field), fields[0])
-
-    def left_out(self, number: int, style: Style) -> Clip:
-        """A scan that was left out, as a clip that wears a style's colours."""
-        clip, missed = held_out_as_clip(self._clip, number)
-        shown = style.color_mode(self._clip) is ColorMode.ERROR
-        scale = self.color_scale(style) if shown else None
-        if scale is None:
-            return clip
-        return replace(clip, intervals=(scale.painted(clip.intervals[0], missed),))
-
-    def clip_with_constant_colors(self, style: Style) -> Clip:
-        """The clip to write into files that hold one colour a mover: as `clip_with_colors`, and
-        without the scans' colours where a style shows the organs'. Raises PlayerError for other
-        values, which change while the plant grows.
-        """
-        mode = style.color_mode(self._clip)
-        if mode in (ColorMode.AGE, ColorMode.SPEED, ColorMode.HEIGHT):
+        clip, mode = self._clip, style.color_mode(self._clip)
+        if mode.painted:
+            scale, (_, values) = self._scale(style), self._values(mode, style.field)
+            pairs = zip(clip.intervals, values, strict=True)
+            return replace(clip, intervals=tuple(scale.painted(*pair) for pair in pairs))
+        if as_file and mode.colormap:
             raise PlayerError(
                 f"--color {mode} changes while the plant grows: it is for pictures and films; "
                 "point files take scan, track or error."
             )
-        if mode is not ColorMode.TRACK:
-            return self.clip_with_colors(style)
-        bare = [replace(i, start_colors=None, end_colors=None) for i in self._clip.intervals]
-        return replace(self._clip, intervals=tuple(bare))
+        if as_file and mode is ColorMode.TRACK:
+            bare = [replace(one, start_colors=None, end_colors=None) for one in clip.intervals]
+            return replace(clip, intervals=tuple(bare))
+        return clip
 
-    def scalar_field(self, style: Style) -> ScalarField:
-        """What the shaders find a value of, for a style."""
-        fields = {ColorMode.HEIGHT: ScalarField.HEIGHT, ColorMode.SPEED: ScalarField.SPEED}
-        return fields.get(style.color_mode(self._clip), ScalarField.NONE)
+    def left_out(self, number: int, style: Style) -> Clip:
+        """A scan that was left out, as a clip that wears a style's colours."""
+        clip, missed = held_out_as_clip(self._clip, number)
+        if style.color_mode(self._clip) is not ColorMode.ERROR:
+            return clip
+        return replace(clip, intervals=(self._scale(style).painted(clip.intervals[0], missed),))
+
+    def scalar_field(self, style: Style) -> int:
+        """What scalar_field.glsl finds a value of, by its number there; 0 for nothing."""
+        return {ColorMode.HEIGHT: 1, ColorMode.SPEED: 2}.get(style.color_mode(self._clip), 0)
 
     def palette(self, day: float, style: Style) -> NDArray[np.float32]:
         """(tracks, 4) float32: linear light, and what is left of a mover's own colour.
@@ -188,65 +137,83 @@ class Colors:
     def ramp(self, style: Style) -> NDArray[np.float32]:
         """(STEPS, 4) float32 linear light of values from 0 to 1; black where there are none."""
         texels = np.zeros((STEPS, 4), np.float32)
-        scale = self.color_scale(style) if self.scalar_field(style) else None
-        if scale is not None:
-            texels[:, :3] = srgb_to_linear(scale.colors() / 255.0)
+        if self.scalar_field(style):
+            texels[:, :3] = srgb_to_linear(self._scale(style).colors() / 255.0)
         return texels
 
-    def uniforms(self) -> dict[str, object]:
+    def uniforms(self, style: Style) -> dict[str, object]:
         """How scalar_field.glsl gets from positions and velocities to values from 0 to 1."""
-        low, high = self._heights
-        upward = axes(self._clip.up)[2] / (high - low)
-        return {
-            "height_axis": (*upward.tolist(), -low / (high - low)),
-            "max_speed": self._fastest,
-        }
+        high = self._scale(style).high
+        upward = axes(self._clip.up)[2] / high
+        return {"height_axis": (*upward.tolist(), -self._lowest / high), "max_speed": high}
+
+    @cached_property
+    def _lowest(self) -> float:
+        return float(outline(self._clip)[:, 2].min())
+
+    def _scale(self, style: Style) -> ValueRange:
+        """Of a mode that has a colour map."""
+        mode = style.color_mode(self._clip)
+        if lacking := mode.lacking(self._clip):
+            raise PlayerError(lacking)
+        scale, _ = self._values(mode, style.field)
+        map = mode.colormap if style.color_map == ColorMap.AUTO else style.color_map
+        return replace(scale, color_map=str(map))
 
     def _track_colors(self, day: float, style: Style) -> NDArray[np.uint8]:
         """(tracks, 3) uint8 sRGB."""
-        aged = style.color_mode(self._clip) is ColorMode.AGE
-        scale = self.color_scale(style) if aged else None
-        if scale is None:
+        if style.color_mode(self._clip) is not ColorMode.AGE:
             return palette_at(self._clip, *locate(self._clip, day))[:, :3]
         first = self._clip.times[0]
         born = np.array([max(track.born, first) for track in self._clip.track_table])
-        return scale.colors_of(day - born)
-
-    @cached_property
-    def _growth(self) -> list[NDArray[np.float64]]:
-        return growth_rates(self._clip)
-
-    @cached_property
-    def _errors(self) -> list[NDArray[np.float64]]:
-        return holdout_errors(self._clip)
-
-    @cached_property
-    def _heights(self) -> tuple[float, float]:
-        """Of the lowest and the highest mover, along the plant's up axis."""
-        levels = outline(self._clip)[:, 2]
-        low, high = float(levels.min()), float(levels.max())
-        return low, max(high, low + max(1e-6, 1e-9 * abs(low)))
-
-    @cached_property
-    def _fastest(self) -> float:
-        """In the clip's units: the speed of the fastest colour, which few movers exceed."""
-        speeds = []
-        for interval in self._clip.intervals:
-            moving = [group for group in interval.groups if group.motion == "move"]
-            count = sum(group.count for group in moving)
-            some = slice(0, count, max(count // SAMPLE, 1))
-            start, end = (positions_on_curve(interval, some, share) for share in (0.0, 1.0))
-            distance = np.linalg.norm(end.astype(float) - start, axis=1)
-            speeds.append(distance / (interval.end - interval.start))
-        return _high_end(speeds)
+        return self._scale(style).colors_of(day - born)
 
 
-def _known(values: Sequence[NDArray[np.floating]]) -> NDArray[np.floating]:
+def values_of(clip: Clip, mode: ColorMode, field: str) -> tuple[ValueRange, Values]:
+    """What the ends of a mode's ramp stand for, and the values of the movers that are painted."""
+    low, title, unit, time = 0.0, mode.label, clip.unit or "units", clip.time_unit.removesuffix("s")
+    values: Values = []
+    match mode:
+        case ColorMode.AGE:
+            high, unit = clip.times[-1] - clip.times[0], clip.time_unit
+        case ColorMode.HEIGHT:
+            levels = outline(clip)[:, 2]
+            lowest, highest = float(levels.min()), float(levels.max())
+            high = max(highest - lowest, 1e-6, 1e-9 * abs(lowest))
+        case ColorMode.SPEED:
+            high, unit = _high_end(_speeds(clip)), f"{unit} a {time}"
+        case ColorMode.GROWTH:
+            values, unit = growth_rates(clip), f"% a {time}"
+            high = _high_end(values)
+        case ColorMode.ERROR:
+            values, title = holdout_errors(clip), f"{title} against a scan left out"
+            high = _high_end(values)
+        case _:
+            shown = next((one for one in clip.fields if one.name == field), clip.fields[0])
+            values, title, unit, known = shown.values, shown.name, "", _known(shown.values)
+            low, high = np.quantile(known, [1.0 - FAST, FAST]) if len(known) else (0.0, 1.0)
+            low, high = float(low), float(max(high, low + 1e-9))
+    return ValueRange(title, low, high, unit, mode.colormap), values
+
+
+def _speeds(clip: Clip) -> Values:
+    """Of some movers of each interval, in the clip's units."""
+    speeds = []
+    for interval in clip.intervals:
+        count = sum(group.count for group in interval.groups if group.motion == "move")
+        some = slice(0, count, max(count // SAMPLE, 1))
+        start, end = (positions_on_curve(interval, some, share) for share in (0.0, 1.0))
+        distance = np.linalg.norm(end.astype(float) - start, axis=1)
+        speeds.append(distance / (interval.end - interval.start))
+    return speeds
+
+
+def _known(values: Values) -> NDArray[np.floating]:
     """Those of all intervals that are numbers."""
     return np.concatenate([one[np.isfinite(one)] for one in values])
 
 
-def _high_end(values: Sequence[NDArray[np.float64]]) -> float:
+def _high_end(values: Values) -> float:
     """A round value that few exceed."""
     return nice_ceil(max(float(np.quantile(np.append(_known(values), 0.0), FAST)), 1e-9))
 

@@ -4,9 +4,7 @@ import re
 from collections.abc import Sequence
 
 from gclip import ScanMark
-from traits.dates import date_at
-
-__all__ = ["date_at", "elapsed", "short_dates"]
+from traits.dates import date_at as date_at
 
 
 def elapsed(scans: Sequence[ScanMark], day: float, unit: str) -> str:

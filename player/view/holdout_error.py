@@ -1,10 +1,4 @@
-"""How far a clip is from the scans that it was baked without, and in colours.
-
-`bake --holdout 2` leaves every second scan out, and the clip carries those aligned with it
-(docs/format.md, `held_out`). At such a scan's own time each mover of its interval is so far from
-the nearest of its points. That distance is the mover's error; it keeps its colour while its
-interval lasts, so that one sees where the plant went wrong, and how it came to that.
-"""
+"""How far a clip is from the scans that it was baked without (`bake --holdout`), as colours."""
 
 from dataclasses import replace
 
@@ -16,13 +10,8 @@ from gclip.evaluate import evaluate_layer, layers_at, locate
 
 
 def holdout_errors(clip: Clip) -> list[NDArray[np.float64]]:
-    """Distances to the scans that were left out.
-
-    Returns
-    -------
-    list of (N,) array of float64
-        For each interval its movers' errors in the clip's length unit; NaN where the mover is no
-        part of the plant at that time, and where there is no scan to compare with.
+    """Of each interval's movers, (N,), the distances to the nearest point of the scan that was left
+    out there, at its own time; NaN where the mover is no part of the plant then, or none was.
     """
     from scipy.spatial import cKDTree
 
@@ -46,6 +35,7 @@ def held_out_as_clip(clip: Clip, number: int) -> tuple[Clip, NDArray[np.float64]
     scan = clip.held_out[number]
     frame = clip.at(scan.time)
     missed, nearest = cKDTree(frame.local).query(scan.positions)
+    paint = frame.colors[nearest] if clip.has_colors else None
     interval = Interval(
         start=clip.times[0],
         end=clip.times[-1],
@@ -53,9 +43,8 @@ def held_out_as_clip(clip: Clip, number: int) -> tuple[Clip, NDArray[np.float64]
         groups=(Group(0, len(scan.positions), Motion.MOVE),),
         curve=(scan.positions, scan.positions),
         tracks=np.asarray(frame.tracks)[nearest].astype(np.uint32),
+        start_colors=paint,
+        end_colors=paint,
     )
-    if clip.has_colors:
-        paint = frame.colors[nearest]
-        interval = replace(interval, start_colors=paint, end_colors=paint)
     ends = tuple(replace(clip.scans[end], points=len(scan.positions)) for end in (0, -1))
     return replace(clip, scans=ends, intervals=(interval,), held_out=()), missed

@@ -1,4 +1,4 @@
-"""Where on an organ someone clicked: a point of a scan, in its file's own coordinates."""
+"""Where on an organ someone clicked."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -19,8 +19,8 @@ def organ_place(
     day: float,
     seen: tuple[Camera, float, tuple[float, float]] | None = None,
 ) -> Place | None:
-    """A point of an organ in the scan nearest in time, or in the next one where that lacks it; None
-    where neither has the organ.
+    """A point of an organ in the scan nearest in time, or in the next one where that lacks it, in
+    the file's own coordinates; None where neither has the organ.
 
     seen: how the organ is seen, the picture's width by its height, and where it was clicked: right
           and up from the middle, from -1 to 1. Without it a point in the organ's middle is chosen.

@@ -11,9 +11,6 @@ if TYPE_CHECKING:
 
 Light = tuple[float, float, float]
 
-NO_FIELD = "the clip carries no field of its scans; bake it with --fields NAMES."
-NO_HOLDOUT = "the clip holds no scan that was left out of it; bake it with --holdout 2."
-
 
 class ColorMode(StrEnum):
     """What movers are coloured by."""
@@ -45,8 +42,10 @@ class ColorMode(StrEnum):
     def lacking(self, clip: Clip) -> str:
         """Why a clip can't be coloured so, and how it could; "" where it can."""
         if self is ColorMode.FIELD and not clip.fields:
-            return NO_FIELD
-        return NO_HOLDOUT if self is ColorMode.ERROR and not clip.held_out else ""
+            return "the clip carries no field of its scans; bake it with --fields NAMES."
+        if self is ColorMode.ERROR and not clip.held_out:
+            return "the clip holds no scan that was left out of it; bake it with --holdout 2."
+        return ""
 
 
 class ColorMap(StrEnum):
@@ -83,9 +82,6 @@ class Style:
     #: lighting)
     eye_dome: float = 1.0
     show_ground: bool = True  #: a soft floor with the plant's shadow
-    #: diameter of all points in pixels of a picture 720 high, whatever their distance; None gives
-    #: them the size in the world that closes the surfaces
-    pixels: float | None = None
     picked: int | None = None  #: the track that is highlighted: all others stand back
     second: int | None = None  #: another one that is highlighted
     hidden: frozenset[int] = frozenset()  #: tracks that are not drawn

@@ -90,7 +90,8 @@ def test_bad_wishes(saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[s
         said = refusal(capsys, saved, "--export", out, "--day", day)
         assert f"--day is {day}; a time from 0 to 5" in said
     assert "--seconds" in refusal(capsys, saved, "--export", out, "--seconds", "nan")
-    assert "folder" in refusal(capsys, saved, "--export", tmp_path)
+    (tmp_path / "folder.png").mkdir()
+    assert "is a folder" in refusal(capsys, saved, "--export", tmp_path / "folder.png")
     assert "--fps" in refusal(capsys, saved, "--export", out, "--fps", "0")
     assert "CLIP" in refusal(capsys)
     table = tmp_path / "t.csv"
@@ -169,7 +170,7 @@ def test_a_camera_path_drives_the_export(make_clip: ClipMaker, tmp_path: Path) -
     [
         (["--camera", "round"], "still, turntable or a camera path"),
         (["--camera", "none.json", "--export", "a.png"], "'none.json' can't be read"),
-        (["b.gclip", "--info"], "in step in the window only"),
+        (["b.gclip", "--info"], "or two without them"),
     ],
 )
 def test_wrong_cameras_and_pairs_are_refused(

@@ -12,7 +12,7 @@ from random import Random
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from markupsafe import escape
 
@@ -149,7 +149,7 @@ def test_point_clouds_keep_their_headers(make_clip: ClipMaker, tmp_path: Path, n
     assert [w for w in words[2:] if w != "comment"] == ["element"] + ["property"] * 8
 
 
-def test_gltf_and_usd_hold_names_as_text(make_clip: ClipMaker, tmp_path: Path, nasty: str) -> None:
+def test_gltf_holds_names_as_text(make_clip: ClipMaker, tmp_path: Path, nasty: str) -> None:
     clip = poisoned(make_clip(), nasty)
     export(clip, Film(), tmp_path / "plant.glb")
     content = (tmp_path / "plant.glb").read_bytes()
@@ -159,16 +159,6 @@ def test_gltf_and_usd_hold_names_as_text(make_clip: ClipMaker, tmp_path: Path, n
     assert '"uri"' not in re.sub(
         r'"name":"(\\.|[^"])*"', "", json.dumps(document, separators=(",", ":"))
     )
-    pytest.importorskip("pxr", reason="usd-core is not installed")
-    from pxr import Usd
-
-    export(clip, Film(), tmp_path / "plant.usda")
-    plain = tmp_path / "plain.usda"
-    export(make_clip(), Film(), plain)
-    stages = [Usd.Stage.Open(str(path)) for path in (tmp_path / "plant.usda", plain)]
-    paths = [[prim.GetPath().pathString for prim in stage.Traverse()] for stage in stages]
-    assert paths[0] == paths[1]
-    assert all(not s.GetRootLayer().externalReferences for s in stages)
 
 
 def test_pictures_with_nasty_titles_are_drawn(
@@ -207,6 +197,7 @@ def test_files_are_named_after_nothing_in_a_clip(tmp_path: Path, nasty: str) -> 
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(seed=st.integers(0, 2**32), use=st.sampled_from(["evaluated", "told", "loaded"]))
+@example(seed=4836, use="told")  # an interval ends where no scan is
 def test_whatever_is_opened_can_be_used(seed: int, use: str, tmp_path: Path) -> None:
     path = tmp_path / "x.gclip"
     path.write_bytes(hostile(Random(seed)))

@@ -74,7 +74,7 @@ def loaded(clip: Clip) -> None:
         assert np.isfinite(colors.palette(days_of(clip)[1], style)).all()
         assert np.isfinite(colors.ramp(style)).all()
         if colors.scalar_field(style):
-            assert np.isfinite(np.hstack(list(colors.uniforms().values()))).all()
+            assert np.isfinite(np.hstack(list(colors.uniforms(style).values()))).all()
     assert all(bytes_per_point(interval) > 0 for interval in clip.intervals)
     timeline = Timeline.of(clip.times).played().tick(0.1)
     assert np.isfinite(timeline.day)
@@ -91,7 +91,7 @@ def exported(clip: Clip, suffix: str) -> None:
         export(clip, Film(seconds=0.1, fps=10), Path(folder, f"plant{suffix}"))
 
 
-EXPORTS = (".html", ".ply", ".glb", ".usda", ".csv")
+EXPORTS = (".html", ".ply", ".glb", ".csv")
 USES: dict[str, Callable[[Clip, Path], None]] = {
     "evaluated": lambda clip, path: evaluated(clip),
     "told": told,

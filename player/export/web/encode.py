@@ -8,6 +8,7 @@ import zlib
 from typing import Any
 
 import numpy as np
+from msgspec import to_builtins
 from numpy.typing import NDArray
 
 from gclip import Interval
@@ -19,8 +20,8 @@ LEVELS = 65535
 def pack(interval: Interval, spacing: float) -> tuple[bytes, dict[str, Any]]:
     """Quantise and compress one interval's movers; they keep their order.
 
-    Returns the bytes, deflated, and how `web/clip.js` reads them: position = low + step × number,
-    the bytes of a track's number, and whether there are colours and normals.
+    Returns the bytes, deflated, and what `web/clip.js` knows of them: position = low + step ×
+    number, the bytes of a track's number, and whether there are colours and normals.
     Positions move by 1/64 of the clip's point spacing at most along each axis, or by 1/131070 of
     the interval's side where that is more.
     """
@@ -34,6 +35,11 @@ def pack(interval: Interval, spacing: float) -> tuple[bytes, dict[str, Any]]:
     if interval.normals is not None:
         parts.append(_planes(interval.normals))
     layout = {
+        "start": interval.start,
+        "end": interval.end,
+        "count": len(interval),
+        "degree": interval.degree,
+        "groups": to_builtins(interval.groups),
         "low": low.tolist(),
         "step": step.tolist(),
         "track_bytes": interval.tracks.itemsize,

@@ -1,18 +1,16 @@
 """One HTML file that shows the growing plant: no server, no other file, nothing from outside."""
 
 import base64
-from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from html import escape
 from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from msgspec import to_builtins
 
 import shaders
 from gclip import Clip
@@ -24,13 +22,11 @@ from player.rendering.ground import CONTACT_REACH, SHADOW_POINTS, SIDE, floor_sq
 from player.rendering.renderer import MIN_POINT_PX, scene_radius, splat_shape
 from player.rendering.shading import DEPTH_CUE
 from player.rendering.splat_radius import ClosingDistances
-from player.view.camera import Camera, axes
+from player.view.camera import MARGIN, Camera, axes, outline
 from player.view.colors import Colors, format_number
 from player.view.dates import date_at, elapsed, short_dates
 from player.view.style import GROUNDS, ColorMode
-from traits.curves import TraitCurve, curve_svg, plotted, trait_curves
-
-Packed = tuple[bytes, dict[str, Any]]  # as `pack` returns them
+from traits.curves import curve_svg, plotted, trait_curves
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
@@ -49,18 +45,8 @@ LARGEST = 1 << 29  # characters of one interval: browsers hold no longer strings
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     """Write the page; it opens with the film's look. Raises PlayerError where it can't be."""
-    total = len(clip.intervals)
-    progress(0, total)
-    packed = []
-    for done, interval in enumerate(clip.intervals, start=1):
-        packed.append(pack(interval, clip.spacing))
-        if 4 * len(packed[-1][0]) > 3 * LARGEST:
-            raise PlayerError(
-                f"{path.name}: interval {done} is too large for a page; bake with --voxel SIZE."
-            )
-        progress(done, total)
     with path.open("w", encoding="utf-8", newline="\n") as file:
-        file.writelines(_render(clip, film, packed))
+        file.writelines(_page(clip, film, progress))
 
 
 def iframe(clip: Clip, height: int = FRAME_HEIGHT) -> str:
@@ -76,49 +62,50 @@ def iframe(clip: Clip, height: int = FRAME_HEIGHT) -> str:
     -------
     str
     """
-    with TemporaryDirectory() as folder:
-        page = Path(folder, "clip.html")
-        write(clip, Film(name="plant"), page, lambda done, total: None)
-        document = escape(page.read_text("utf-8"))
-    return f'<iframe srcdoc="{document}" width="100%" height="{height}" style="border: 0"></iframe>'
+    page = escape("".join(_page(clip, Film(name="plant"), lambda done, total: None)))
+    return f'<iframe srcdoc="{page}" width="100%" height="{height}" style="border: 0"></iframe>'
 
 
-def _render(clip: Clip, film: Film, packed: list[Packed]) -> Iterator[str]:
+def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
     """The page's text, piece by piece."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
+    packed, total = [], len(clip.intervals)
+    progress(0, total)
+    for done, interval in enumerate(clip.intervals, start=1):
+        packed.append(pack(interval, clip.spacing))
+        if 4 * len(packed[-1][0]) > 3 * LARGEST:
+            raise PlayerError(f"interval {done} is too large for a page; bake with --voxel SIZE.")
+        progress(done, total)
     environment = Environment(
-        loader=PackageLoader("player.export", "web"), autoescape=True, undefined=StrictUndefined
+        loader=PackageLoader("player.export", "web"),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
     )
-    environment.trim_blocks = environment.lstrip_blocks = True
+    environment.filters["css"] = _css
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     first, last = clip.times[0], clip.times[-1]
-    dates = short_dates([scan.date for scan in clip.scans])
     places = [100.0 * (time - first) / (last - first) for time in clip.times]
     painted = film.style.color_mode(clip).painted
-    scale = Colors(clip).color_scale(film.style) if painted else None
-    ramp = [] if scale is None else scale.colors()[:: len(scale.colors()) // 16].tolist()
-    return environment.get_template("page.html").generate(
-        title=film.title or film.name,
-        facts=f"{len(clip.scans)} scans, {len(clip.track_table)} organs",
-        ground=film.style.ground,
-        colored=clip.has_colors,
-        scale=scale,
-        ramp=", ".join(map(_css, ramp)),
-        first=first,
-        last=last,
-        marks=zip(places, dates, strict=True),
+    yield from environment.get_template("page.html").generate(
+        clip=clip,
+        film=film,
+        scale=Colors(clip).color_scale(film.style) if painted else None,
+        marks=zip(places, short_dates([scan.date for scan in clip.scans]), strict=True),
         crowded=min(after - before for before, after in pairwise(places)) < ROOM,
-        organs=_organs(clip),
+        organs=clip.track_table[:MAX_ORGANS],
+        date=partial(date_at, clip.scans),
         style=_read("page.css"),
         script="\n".join(_read(name) for name in SCRIPTS),
-        clip=_about(clip, film, packed),
+        about=_about(clip, film, [layout for _, layout in packed]),
         shaders={name: shaders.resolved(name) for name in SHADERS},
         intervals=(base64.b64encode(data).decode("ascii") for data, _ in packed),
     )
 
 
-def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
+def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, Any]:
     """What the page knows besides the points; read in web/clip.js and web/renderer.js."""
     closing = ClosingDistances(clip)
     to_square, half_side = floor_square(clip)
@@ -131,17 +118,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
         "colored": clip.has_colors,
         "tracks": srgb_to_linear(clip.palette[:, :3] / 255.0).round(5).tolist(),
         "newborn": [[*newborn(clip, k).items()] for k in range(len(clip.intervals))],
-        "intervals": [
-            {
-                "start": interval.start,
-                "end": interval.end,
-                "count": len(interval),
-                "degree": interval.degree,
-                "groups": to_builtins(interval.groups),
-                **layout,
-            }
-            for interval, (_, layout) in zip(clip.intervals, packed, strict=True)
-        ],
+        "intervals": layouts,
         "coverage": [closing.at(time) for time in clip.times],
         "splat": {"radii": radius, "smallest": MIN_POINT_PX},
         "uniforms": {
@@ -161,7 +138,7 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
             "texel": 2 * half_side / SIDE,
             "toSquare": to_square.T.ravel().tolist(),
         },
-        "home": asdict(home) | {"aspect": _narrowest(clip, film.aspect)},
+        "home": asdict(home) | {"aspect": _narrowest(clip, home)},
         "plotted": plotted(clip),
         "curves": _curves(clip),
         "axes": axes(clip.up).tolist(),
@@ -175,12 +152,11 @@ def _about(clip: Clip, film: Film, packed: list[Packed]) -> dict[str, Any]:
     }
 
 
-def _narrowest(clip: Clip, aspect: float) -> float:
-    """The aspect of the narrowest picture that shows the plant as large as one of `aspect` does."""
-    aspects = np.linspace(0.2, 1.0, 51) * aspect
-    nearness = -1.01 * Camera.home(clip, aspect).distance
-    found = bisect_left(aspects, nearness, key=lambda other: -Camera.home(clip, other).distance)
-    return float(aspects[found])
+def _narrowest(clip: Clip, home: Camera) -> float:
+    """The aspect of the narrowest picture in which the plant is as large as in its home view."""
+    points = outline(clip) @ axes(clip.up)
+    right, _, _, depth = home.matrix(1.0) @ np.column_stack([points, np.ones(len(points))]).T
+    return float(np.abs(right / depth).max()) / MARGIN
 
 
 def _moments(clip: Clip) -> list[tuple[float, str, str]]:
@@ -191,29 +167,14 @@ def _moments(clip: Clip) -> list[tuple[float, str, str]]:
     return named[:1] + [after for before, after in pairwise(named) if before[1:] != after[1:]]
 
 
-def _organs(clip: Clip) -> Iterator[tuple[str, str, str]]:
-    """Colour, name, and where it is not there all the time, from when to when."""
-    for track in clip.track_table[:MAX_ORGANS]:
-        born = date_at(clip.scans, track.born) if track.born > clip.times[0] else ""
-        lost = "" if track.lost is None else f" – {date_at(clip.scans, track.lost)}"
-        yield _css(track.color), track.name, born + lost
-
-
 def _curves(clip: Clip) -> dict[str, tuple[str, str]]:
     """Of an organ and a trait what is plotted, in words and as a picture."""
-    span, table = (clip.times[0], clip.times[-1]), clip.track_table[:MAX_CURVES]
-    return {
-        f"{one.track} {one.trait}": (
-            f"{one.trait}, {_range(one)}{one.unit}",
-            curve_svg(one, span, _css(table[one.track].color)),
-        )
-        for one in trait_curves(clip, range(len(table)))
-    }
-
-
-def _range(curve: TraitCurve) -> str:
-    low = f"{format_number(curve.bottom)} " if curve.bottom else "up "
-    return f"{low}to {format_number(max(curve.values))}"
+    plots, span, table = {}, (clip.times[0], clip.times[-1]), clip.track_table[:MAX_CURVES]
+    for one in trait_curves(clip, range(len(table))):
+        low, high = format_number(one.bottom), format_number(max(one.values))
+        drawing = curve_svg(one, span, _css(table[one.track].color))
+        plots[f"{one.track} {one.trait}"] = f"{one.trait}, {low} to {high}{one.unit}", drawing
+    return plots
 
 
 def _css(color: Sequence[int]) -> str:

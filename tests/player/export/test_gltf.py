@@ -74,7 +74,9 @@ class Reader:
             for weight, target in zip(weights, primitive["targets"], strict=True):
                 points = points + weight * self.array(target["POSITION"])
             paint = self.array(primitive["attributes"]["COLOR_0"]) / 65535
-            parts.append((points, paint, self.array(primitive["attributes"]["_LABEL"])[:, 0]))
+            labels = self.array(primitive["attributes"]["_LABEL"])[:, 0]
+            assert labels.dtype == np.float32
+            parts.append((points, paint, labels))
         return tuple(np.concatenate(part) for part in zip(*parts, strict=True))  # type: ignore[return-value]
 
 

@@ -193,7 +193,7 @@ def test_the_chosen_organ_s_curves_share_the_timeline(opened: Any, make_clip: An
     for _ in range(3):
         trait = tab.evaluate("viewer.look.trait")
         if any((one.track, one.trait) == (curves[0].track, trait) for one in curves):
-            assert tab.text_content("#curve span").startswith(f"{trait}, up to")
+            assert tab.text_content("#curve span").startswith(f"{trait}, 0 to")
             curve, line = (tab.locator(of).bounding_box() for of in ("#curve svg", "#timeline"))
             assert (curve["x"], curve["width"]) == pytest.approx((line["x"], line["width"]), abs=1)
         else:

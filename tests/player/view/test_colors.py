@@ -10,7 +10,7 @@ from gclip.evaluate import srgb_to_linear
 from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
-from player.view.colors import Colors, ScalarField, nice_ceil
+from player.view.colors import Colors, nice_ceil
 from player.view.style import Style
 from tests.player.conftest import ClipMaker
 
@@ -122,7 +122,7 @@ def test_what_a_style_comes_to(make_clip: ClipMaker) -> None:
     assert Style().color_mode(bare) == "track"
     assert Style().color_mode(colored) == "scan"
     assert Style(color_by="scan").color_mode(bare) == "track"
-    assert Colors(bare).scalar_field(Style(color_by="age")) is ScalarField.NONE
+    assert Colors(bare).scalar_field(Style(color_by="age")) == 0
     assert Colors(bare).color_scale(Style(color_by="track")) is None
 
 
@@ -131,22 +131,6 @@ def test_what_a_style_comes_to(make_clip: ClipMaker) -> None:
 )
 def test_round_numbers(value: float, wanted: float) -> None:
     assert nice_ceil(value) == pytest.approx(wanted)
-
-
-def test_pixel_sized_points_do_not_grow_with_nearness(
-    context: moderngl.Context, make_clip: ClipMaker
-) -> None:
-    clip = make_clip()
-    sparse = replace(PLAIN, pixels=12.0)
-    covered = (
-        (
-            drawn(context, clip, 0.0, sparse)
-            != drawn(context, clip, 0.0, replace(sparse, hidden=frozenset((0, 1))))
-        )
-        .any(axis=2)
-        .mean()
-    )
-    assert covered > 0.05
 
 
 def test_a_newborn_organ_s_colour_changes_from_day_to_day(
