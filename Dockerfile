@@ -10,7 +10,7 @@ RUN apt-get update \
     && rm -rf /var/lib/apt/lists/*
 
 COPY . /source
-RUN pip install --no-cache-dir "/source[e57,pandas]" && rm -r /source
+RUN pip install --no-cache-dir "/source[e57,pandas,usd]" && rm -r /source
 
 # The solver is compiled once, here; whoever runs the commands may keep what is compiled later.
 ENV NUMBA_CACHE_DIR=/var/cache/numba HOME=/tmp

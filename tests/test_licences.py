@@ -11,7 +11,7 @@ LESSER = re.compile(r"LGPL|Lesser General Public", re.IGNORECASE)
 COPYLEFT = re.compile(r"GPL|General Public", re.IGNORECASE)
 
 
-@pytest.mark.parametrize("extras", [(), ("e57",), ("pandas", "cluster")], ids=str)
+@pytest.mark.parametrize("extras", [(), ("e57",), ("pandas", "usd", "cluster")], ids=str)
 def test_no_package_of_the_runtime_is_under_the_gpl(extras):
     packages = installed(extras)
     assert {"numpy", "open3d-cpu", "open3d"} & {*packages}

@@ -9,7 +9,7 @@ from typing import Any, Literal
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file, check_output
 from player.errors import PlayerError
-from player.export import gltf, image, ply, table, video
+from player.export import gltf, image, ply, table, usd, video
 from player.export.film import Film, Progress
 from player.export.web import page
 from player.output_names import check_sequence, is_numbered
@@ -135,5 +135,12 @@ FORMATS: tuple[Format, ...] = (
     Format("cloud.ply", "one point cloud, for any program", ply.write, "points", 1),
     Format("clouds/%04d.ply", "point clouds, one a frame, for Blender", ply.write, "points", 2),
     Format("plant.glb", "animated points, for Blender, three.js (glTF)", gltf.write, "points"),
+    Format(
+        "plant.usd",
+        "points with time samples, for Houdini, Omniverse, Unreal",
+        usd.write,
+        "points",
+        also=(".usda", ".usdc", ".usdz"),
+    ),
     Format("traits.csv", "lengths, areas, growth of each organ", table.write, "numbers", 2),
 )

@@ -149,7 +149,7 @@ def test_point_clouds_keep_their_headers(make_clip: ClipMaker, tmp_path: Path, n
     assert [w for w in words[2:] if w != "comment"] == ["element"] + ["property"] * 8
 
 
-def test_gltf_holds_names_as_text(make_clip: ClipMaker, tmp_path: Path, nasty: str) -> None:
+def test_gltf_and_usd_hold_names_as_text(make_clip: ClipMaker, tmp_path: Path, nasty: str) -> None:
     clip = poisoned(make_clip(), nasty)
     export(clip, Film(), tmp_path / "plant.glb")
     content = (tmp_path / "plant.glb").read_bytes()
@@ -159,6 +159,16 @@ def test_gltf_holds_names_as_text(make_clip: ClipMaker, tmp_path: Path, nasty: s
     assert '"uri"' not in re.sub(
         r'"name":"(\\.|[^"])*"', "", json.dumps(document, separators=(",", ":"))
     )
+    pytest.importorskip("pxr", reason="usd-core is not installed")
+    from pxr import Usd
+
+    export(clip, Film(), tmp_path / "plant.usda")
+    plain = tmp_path / "plain.usda"
+    export(make_clip(), Film(), plain)
+    stages = [Usd.Stage.Open(str(path)) for path in (tmp_path / "plant.usda", plain)]
+    paths = [[prim.GetPath().pathString for prim in stage.Traverse()] for stage in stages]
+    assert paths[0] == paths[1]
+    assert all(not s.GetRootLayer().externalReferences for s in stages)
 
 
 def test_pictures_with_nasty_titles_are_drawn(

@@ -94,7 +94,7 @@ def test_an_export_stopped_while_shaders_are_compiled_leaves_nothing(
 
 def test_a_full_disk_is_one_sentence(clip: Path, folder: Path) -> None:
     """The process may write files of 600 bytes only: to it, the disk is full."""
-    names = "film.mp4", "page.html", "plant.glb", "frames/%04d.png"
+    names = "film.mp4", "page.html", "plant.glb", "plant.usdc", "plant.usdz", "frames/%04d.png"
     outputs = "\n".join(str(folder / name) for name in names)
     command = [sys.executable, "-c", LIMITED, str(clip), *SMALL]
     done = subprocess.run(command, input=outputs, capture_output=True, text=True, timeout=120)

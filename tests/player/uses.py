@@ -91,7 +91,7 @@ def exported(clip: Clip, suffix: str) -> None:
         export(clip, Film(seconds=0.1, fps=10), Path(folder, f"plant{suffix}"))
 
 
-EXPORTS = (".html", ".ply", ".glb", ".csv")
+EXPORTS = (".html", ".ply", ".glb", ".usda", ".csv")
 USES: dict[str, Callable[[Clip, Path], None]] = {
     "evaluated": lambda clip, path: evaluated(clip),
     "told": told,
