@@ -23,8 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.transport.problem import TransportOptions, costs
+from baker.transport.sinkhorn import nearest, unique
 from baker.transport.solve import solve
-from baker.transport.support import nearest, unique
 
 DENSE_LIMIT = 30_000_000  # pairs: a dense emd of about 1.5 GB
 SINKHORN_LIMIT = 2_000_000

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.matching.leaflets import LeafletPair
-from baker.transport.problem import Indices, Plan, Points, TransportOptions, costs
+from baker.transport.problem import Indices, Plan, Points, TransportOptions, balance, costs
 from baker.transport.solve import solve
-from baker.transport.support import balance
 
 
 @dataclass(frozen=True)
