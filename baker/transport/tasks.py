@@ -1,14 +1,12 @@
 """The transport tasks of one interval: matched, new and lost organs."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.matching import Match
-from baker.segmentation.hierarchy import NO_PARENT
 from baker.transport.problem import Points
 
 # Number of points from which a new organ unfolds (docs/method.md, row 16).
@@ -78,10 +76,10 @@ def _attachment(match: Match, segment: int) -> tuple[int | None, int]:
     A new subtree grows from its nearest ancestor in the first scan, or from any point of the plant
     (None) if that is a virtual root.
     """
-    for top, parent in pairwise([segment, *match.second.ancestors(segment), NO_PARENT]):
-        start = match.start_of(parent)
-        if start is not None:
-            break
+    lineage = [segment, *match.second.ancestors(segment)]
+    starts = [match.start_of(match.second.parents[each]) for each in lineage]
+    depth = next((k for k, start in enumerate(starts) if start is not None), -1)
+    start, top = starts[depth], lineage[depth]
     if start is not None and not len(match.first.segments[start]):
         start = None
     return start, top if len(match.second.segments[top]) else segment
