@@ -109,33 +109,22 @@ def label_policy(
                 "organs of a plant; choose another field with --label-field, or read the scans "
                 "without labels (--labels ignore)."
             )
-    if requested != "auto":
-        consistent = requested == "consistent"
-        found = _describe(field, counts, len(labels), consistent, is_asked=True)
-        return LabelUse(tuple(labels), consistent, (Finding("labels", found),))
-    base_points = [root_points[k] for k in given]
-    agreement = label_agreement([clouds[k] for k in given], present, base_points)
-    consistent = agreement >= MIN_AGREEMENT
-    finding = Finding("labels", _describe(field, counts, len(labels), consistent, is_asked=False))
-    low, high = DOUBTFUL_AGREEMENT
-    if low < agreement < high:
-        doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
-        option = f"--labels {'independent' if consistent else 'consistent'}"
-        finding = replace(finding, doubt=doubt, option=option)
-    return LabelUse(tuple(labels), consistent, (finding,))
-
-
-def _describe(
-    field: str, counts: Sequence[int], scans: int, consistent: bool, is_asked: bool
-) -> str:
+    consistent, doubt, option = requested == "consistent", "", ""
+    if requested == "auto":
+        bases = [root_points[k] for k in given]
+        agreement = label_agreement([clouds[k] for k in given], present, bases)
+        consistent = agreement >= MIN_AGREEMENT
+        if DOUBTFUL_AGREEMENT[0] < agreement < DOUBTFUL_AGREEMENT[1]:
+            doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
+            option = f"--labels {'independent' if consistent else 'consistent'}"
     few, many = min(counts), max(counts)
-    organs = f"{few} to {many} organs" if many > few else f"{few} organ{'s' * (few > 1)}"
-    meaning = "the same ones in all scans" if consistent else "numbered anew in every scan"
-    name = f"'{field}', " if field else ""
-    text = f"{name}{organs}, {meaning}{', as asked' * is_asked}"
-    if len(counts) < scans:
-        text += f"; found by shape in {scans - len(counts)} of {scans} scans, without labels"
-    return text
+    found = f"'{field}', " if field else ""
+    found += f"{few} to {many} organs" if many > few else f"{few} organ{'s' * (few > 1)}"
+    found += ", the same ones in all scans" if consistent else ", numbered anew in every scan"
+    found += ", as asked" if requested != "auto" else ""
+    if missing := len(labels) - len(given):
+        found += f"; found by shape in {missing} of {len(labels)} scans, without labels"
+    return LabelUse(tuple(labels), consistent, (Finding("labels", found, doubt, option),))
 
 
 def follow_labels(
@@ -179,15 +168,16 @@ def follow_labels(
 
 def _complete_labels(labels: Sequence[Labels | None], tracks: Sequence[Labels]) -> list[Labels]:
     """Label the scans without labels by their tracks."""
-    given = [(scan, organs) for scan, organs in enumerate(labels) if organs is not None]
-    unused = 1 + max(int(organs.max()) for _, organs in given)
+    given = {scan: organs for scan, organs in enumerate(labels) if organs is not None}
+    unused = 1 + max(int(organs.max()) for organs in given.values())
     completed = []
     for k, (own, track) in enumerate(zip(labels, tracks, strict=True)):
-        names: dict[int, int] = {}
-        for scan, organs in sorted(given, key=lambda item: -abs(item[0] - k)):  # the nearest last
-            names |= zip(tracks[scan].tolist(), organs.tolist(), strict=True)
-        found = np.array([names.get(number, unused + number) for number in track.tolist()])
-        completed.append(found if own is None else own)
+        if own is None:
+            names: dict[int, int] = {}
+            for scan in sorted(given, key=lambda scan: -abs(scan - k)):  # the nearest last
+                names |= zip(tracks[scan].tolist(), given[scan].tolist(), strict=True)
+            own = np.array([names.get(number, unused + number) for number in track.tolist()])
+        completed.append(own)
     return completed
 
 
