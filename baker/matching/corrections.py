@@ -128,20 +128,27 @@ def with_corrected_organs(
     list of (N,) int64 ndarray
         Parts that are cut off have new labels.
     """
-    corrected, unused = list(labels), 1 + max(int(organs.max()) for organs in labels)
+    corrected = list(labels)
     for each in sorted(corrections, key=lambda correction: correction.kind != "cut"):
-        (k, point), (last, other) = each.places[0], each.places[-1]
+        (k, point), (_, other) = each.places[0], each.places[-1]
         organs = corrected[k]
+        organ = organs == organs[point]
         if each.kind == "cut":
-            part = _beyond(aligned, k, organs == organs[point], point, each.title)
-        elif each.kind == "different" and k == last and organs[point] == organs[other]:
-            part = _minimum_cut(aligned.clouds[k], organs == organs[point], (point, other))
-        else:
-            if each.kind == "same" and k == last:
-                corrected[k] = np.where(organs == organs[other], organs[point], organs)
+            part = _beyond(aligned, k, organ, point, each.title)
+            corrected[k] = np.where(part, _unused(corrected), organs)
+        elif each.spans_scans or each.kind == "name":
             continue
-        corrected[k], unused = np.where(part, unused, organs), unused + 1
+        elif each.kind == "same":
+            corrected[k] = np.where(organs == organs[other], organs[point], organs)
+        elif organ[other]:
+            part = _minimum_cut(aligned.clouds[k], organ, (point, other))
+            corrected[k] = np.where(part, _unused(corrected), organs)
     return corrected
+
+
+def _unused(labels: Sequence[Labels]) -> int:
+    """A label above all others."""
+    return 1 + max(int(organs.max()) for organs in labels)
 
 
 def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -> list[Labels]:
@@ -166,14 +173,14 @@ def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -
     InputError
         If corrections contradict each other.
     """
-    corrected, unused = list(labels), 1 + max(int(organs.max()) for organs in labels)
+    corrected = list(labels)
     links = sorted((c for c in corrections if c.spans_scans), key=lambda c: c.places[1][0])
     for each in links:
         (k, point), (later, other) = each.places
         a, b = corrected[k][point], corrected[later][other]
         if (a == b) == (each.kind == "same"):
             continue
-        b, unused = (b, unused) if each.kind == "same" else (unused, unused + 1)
+        b = b if each.kind == "same" else _unused(corrected)
         for scan in range(later, len(corrected)):
             organs = corrected[scan]
             corrected[scan] = np.where(organs == a, b, np.where(organs == b, a, organs))
@@ -187,18 +194,9 @@ def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -
 def organ_names(
     labels: Sequence[Labels], corrections: Sequence[PointCorrection]
 ) -> dict[int, PointCorrection]:
-    """Find the corrections that name organs.
+    """Label -> the last correction that names the organ.
 
-    Parameters
-    ----------
-    labels : sequence of (N,) int
-        The organ of each point of each scan, with consistent labels.
-    corrections : sequence of PointCorrection
-
-    Returns
-    -------
-    dict of int to PointCorrection
-        Label -> the last correction that names the organ.
+    labels: (N,) int organs of each scan, with consistent labels.
     """
     names = (each for each in corrections if each.kind == "name")
     return {int(labels[k][point]): each for each in names for k, point in each.places}
@@ -207,18 +205,9 @@ def organ_names(
 def confirmed_organs(
     labels: Sequence[Labels], corrections: Sequence[PointCorrection]
 ) -> frozenset[tuple[int, int]]:
-    """Find the organs that corrections confirm to be the same in both scans of an interval.
+    """The (interval, label) of organs that corrections confirm to be the same in both its scans.
 
-    Parameters
-    ----------
-    labels : sequence of (N,) int
-        The organ of each point of each scan, with consistent labels.
-    corrections : sequence of PointCorrection
-
-    Returns
-    -------
-    frozenset of tuple
-        (index of the interval, label).
+    labels: (N,) int organs of each scan, with consistent labels.
     """
     same = [each.places for each in corrections if each.kind == "same" and each.spans_scans]
     return frozenset(

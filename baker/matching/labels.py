@@ -190,12 +190,6 @@ def label_agreement(
     successive scans, and 0 if random labels would give the same distances (like Cohen's kappa). The
     stem is left out if it has the same label in most scans: it is often 0 even if other labels are
     random.
-
-    Parameters
-    ----------
-    clouds, labels : sequences of (N, 3) float and (N,) int ndarrays
-    root_points : sequence of int
-        Index of the point at the plant base, for each scan.
     """
     from scipy.optimize import linear_sum_assignment
     from scipy.spatial.distance import cdist

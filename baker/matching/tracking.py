@@ -33,23 +33,12 @@ def track_organs(
 ) -> list[NDArray[np.int64]]:
     """Track the organs of a series by their shapes.
 
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    hierarchies : sequence of Hierarchy
-    root_points : sequence of int
-        Index of the point at the plant base, for each scan.
-    stem : bool
-        Whether the organ there is known to be the stem of all others.
-    corrections : sequence of PointCorrection
-        Constraints: "same" of successive scans, and "different".
+    clouds: (N, 3) aligned scans. root_points: index of the point at the plant base in each of them.
+    stem: whether the organ there is known to be the stem of all others. corrections: "same" ones of
+    successive scans, and "different" ones, are constraints.
 
-    Returns
-    -------
-    list of (N,) int64
-        The track number of each point. Tracks are numbered by first appearance, those that appear
-        in one scan by their distance from the plant base.
+    Returns the (N,) track number of each point. Tracks are numbered by first appearance, those that
+    appear in one scan by their distance from the plant base.
     """
     scans = zip(clouds, hierarchies, root_points, strict=True)
     organs = [describe_organs(*scan, stem=stem) for scan in scans]
