@@ -19,8 +19,8 @@ from baker.interpolation.organ_shapes import (
 )
 from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings
-from baker.matching import Match
 from baker.matching.leaflets import LeafletPair, match_leaflets
+from baker.matching.match import Match
 from baker.options import Options
 from baker.transport.correspondences import correspond
 from baker.transport.problem import TransportOptions
@@ -64,9 +64,7 @@ def interval_jobs(
     Parameters
     ----------
     series : AlignedSeries
-    matches : sequence of Match
-        Of each interval.
-    tasks : sequence of tuple of Task
+    matches, tasks : sequences of Match and of tuple of Task
         Of each interval.
     options : Options
         Resolved.
@@ -127,8 +125,8 @@ def _decays(
     """The motion of each lost organ; an organ that reappears in a later scan does not fall."""
     decays, later = [], set[int]()
     for interval, match in zip(reversed(tasks), reversed(matches), strict=True):
-        lost = [task.organ for task in interval if task.event == "loss"]
-        fading = {organ for organ in lost if unlabelled or organ in later}
+        lost = {task.organ for task in interval if task.event == "loss"}
+        fading = lost if unlabelled else lost & later
         fading = fading if decay is Motion.FALL else set()
         decays.append({organ: Motion.FADE if organ in fading else decay for organ in lost})
         later |= {*match.second.organs}
@@ -169,13 +167,8 @@ def solve_intervals(
 def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> Interval:
     """Solve one interval; the result does not depend on `map` and `workers`.
 
-    Parameters
-    ----------
-    job : IntervalJob
-    map : map-like callable
-        Maps over the organs, in threads.
-    workers : int
-        Number of threads for the transport of an organ that is larger than a thread's share.
+    map: over the organs, in threads. workers: number of threads for the transport of an organ that
+    is larger than a thread's share.
     """
     clouds, scan = (job.start.positions, job.end.positions), job.match.second
     shapes: Sequence[Mapping[int, OrganShape]] = {}, {}

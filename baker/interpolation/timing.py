@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.matching import Match
+from baker.matching.match import Match
 
 # Cosine of an organ's displacements in two intervals: below the first, its speeds are not related,
 # at the second they are (docs/method.md, "Motion of organs").

@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.matching import Match
+from baker.matching.match import Match
 from baker.transport.problem import Points
 
 # Number of points from which a new organ unfolds (docs/method.md, row 16).
