@@ -70,12 +70,8 @@ def label_policy(
 
     Parameters
     ----------
-    labels : sequence of (N,) int64 ndarray or None
-        The labels of each scan, as they were read.
-    names : sequence of str
-        The names of the scans, for messages.
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
+    labels, names, clouds : sequences of (N,) int64 ndarray or None, str, (N, 3) float ndarray
+        Of the aligned scans; labels as they were read.
     root_points : sequence of int
         Index of the point at the plant base, for each scan.
     requested : {"auto", "consistent", "independent", "ignore"}

@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.neighbors import interpolate
 from baker.geometry.rigid import rotations_between
 from baker.matching.score import best_pairs
 from baker.segmentation.leaflets import segment_leaflets
@@ -220,11 +221,6 @@ def _displacements(
     The attachment point is included; weights are inverse distances. first, second: the pair of
     leaflets of each point, -1 if it is in none.
     """
-    from scipy.spatial import KDTree
-
     nodes = np.concatenate([_Leaflets.of(source, first).centroid, source[[attachments[0]]]])
     moved = np.concatenate([_Leaflets.of(target, second).centroid, target[[attachments[1]]]])
-    distance, nearest = KDTree(nodes).query(source, k=min(STALK_NEIGHBORS, len(nodes)))
-    weight = 1.0 / np.maximum(distance, 1e-9 * (distance.max() + 1e-300))
-    weight /= weight.sum(axis=1, keepdims=True)
-    return np.asarray(np.einsum("nk,nkx->nx", weight, (moved - nodes)[nearest]))
+    return interpolate(source, nodes, moved - nodes, STALK_NEIGHBORS)

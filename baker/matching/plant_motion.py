@@ -64,9 +64,8 @@ def _penalty(rotations: Floats) -> Floats:
 
 
 def _total_score(first: OrganDescriptors, second: OrganDescriptors) -> float:
-    """The largest total score of a matching, also if organs are moved like their neighbours."""
-    pairs, total = best_pairs(match_scores(first, second))
-    return max(total, best_pairs(match_scores(first, second, pairs))[1])
+    """The largest total score of a matching."""
+    return best_pairs(match_scores(first, second))[1]
 
 
 def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Floats]:
