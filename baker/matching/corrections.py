@@ -118,14 +118,13 @@ def with_corrected_organs(
 
     Parameters
     ----------
-    labels : sequence of (N,) int64 ndarray
+    labels : sequence of (N,) int64
         The organ of each point of each scan.
-    aligned : AlignedSeries
-    corrections : sequence of PointCorrection
+    aligned, corrections : AlignedSeries, sequence of PointCorrection
 
     Returns
     -------
-    list of (N,) int64 ndarray
+    list of (N,) int64
         Parts that are cut off have new labels.
     """
     corrected = list(labels)
@@ -159,14 +158,8 @@ def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -
 
     Parameters
     ----------
-    labels : sequence of (N,) int
-        The organ of each point of each scan.
-    corrections : sequence of PointCorrection
-
-    Returns
-    -------
-    list of (N,) int
-        The corrected labels.
+    labels, corrections : sequences of (N,) int64 and PointCorrection
+        The organ of each point of each scan, and what is to be corrected.
 
     Raises
     ------

@@ -28,10 +28,8 @@ def segment_organs(
 
     Parameters
     ----------
-    clouds : sequence of (N, 3) float
-        Aligned scans.
-    bases : sequence of int
-        Index of the point at the plant base, for each scan.
+    clouds, bases : sequences
+        For each aligned scan: (N, 3) points, the index of the one at the plant base.
     map : map-like callable
         Maps over the scans.
 

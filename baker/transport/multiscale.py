@@ -101,12 +101,9 @@ def _improve(
         stops = np.searchsorted(cell[edges[0][order]], np.arange(1, cells))
         parts = (np.split(values[order], stops) for values in (*edges, mass))
         with thread_map(options.workers) as map:
-            solved = list(map(solve, *parts))
-        edges = (
-            np.concatenate([rows for (rows, _), _ in solved]),
-            np.concatenate([columns for (_, columns), _ in solved]),
-        )
-        mass = np.concatenate([flow for _, flow in solved])
+            pairs, flows = zip(*map(solve, *parts), strict=True)
+        edges = np.hstack([rows for rows, _ in pairs]), np.hstack([columns for _, columns in pairs])
+        mass = np.hstack(flows)
         previous, cost = cost, float(mass @ costs(start, end, edges, options.power))
         if cells == 1 or previous - cost <= MIN_GAIN * cost:
             break
