@@ -39,8 +39,7 @@ def with_even_density(
     repeated = _choose_repeated(middle, np.maximum(_target_density(area, growth) * area - 1, 0))
     if not len(repeated) or len(movers) <= NEIGHBORS:
         return movers
-    groups = start_points, end_points
-    shift = _displacements(middle, np.sqrt(area), groups, repeated)
+    shift = _displacements(middle, np.sqrt(area), (start_points, end_points), repeated)
 
     def extended(values: NDArray[Any]) -> NDArray[Any]:
         return np.concatenate([values, values.take(repeated, axis=0)])

@@ -83,17 +83,17 @@ def _changes(
 
     They are NaN in intervals in which an organ is not matched or too small.
     """
-    count = 1 + max(organ for match in matches for organ in match.second.organs)
-    moved = np.full((len(matches), count, 3), np.nan)
-    grown = np.full((len(matches), count, 1), np.nan)
+    organs = 1 + max(organ for match in matches for organ in match.second.organs)
+    moved = np.full((len(matches), organs, 3), np.nan)
+    grown = np.full((len(matches), organs, 1), np.nan)
     for k, match in enumerate(matches):
         for a, b in match.pairs:
             start = clouds[k][match.first.segments[a]].astype(float)
             end = clouds[k + 1][match.second.segments[b]].astype(float)
-            organ, points = match.second.organs[b], min(len(start), len(end))
-            if points:
+            organ, count = match.second.organs[b], min(len(start), len(end))
+            if count:
                 moved[k, organ] = end.mean(axis=0) - start.mean(axis=0)
-            if points >= MIN_POINTS_FOR_RADIUS:
+            if count >= MIN_POINTS_FOR_RADIUS:
                 radii = [np.sqrt(points.var(axis=0).sum()) for points in (start, end)]
                 grown[k, organ] = np.diff(radii)
     return moved, grown

@@ -42,9 +42,9 @@ def segment_organs(
     numbers, following = [], None
     for sample, tree, scores in reversed(list(map(_prepare, clouds, bases))):
         organ = np.zeros(len(sample.points), np.intp)
+        if following is not None:
+            scores = scores + _scores_from_next(sample, *following)
         if tree is not None:
-            if following is not None:
-                scores = scores + _scores_from_next(sample, *following)
             organ = merge_strips(sample, organs_of_nodes(sample, tree, scores)[tree.node])
         following = None if tree is None else (sample, organ)
         numbers.append(organ[sample.nearest].astype(np.int64))
@@ -53,13 +53,11 @@ def segment_organs(
 
 def _prepare(
     cloud: NDArray[np.floating], base: int
-) -> tuple[PlantSample, ReebTree | None, NDArray[np.float64]]:
+) -> tuple[PlantSample, ReebTree | None, NDArray[np.float64] | float]:
     """The sample, Reeb tree and blade scores of a scan; no tree if the scan is too small."""
     sample = sample_plant(cloud, base)
-    if sample.diameter == 0.0:
-        return sample, None, np.zeros(0)
-    tree = reeb_tree(sample)
-    return sample, tree, blade_scores(sample, tree)
+    tree = reeb_tree(sample) if sample.diameter > 0.0 else None
+    return sample, tree, 0.0 if tree is None else blade_scores(sample, tree)
 
 
 def _scores_from_next(

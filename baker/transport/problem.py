@@ -64,9 +64,7 @@ def costs(start: Points, end: Points, edges: Edges, power: int) -> NDArray[np.fl
     """
     displacement = start.take(edges[0], axis=0).astype(np.float64, copy=False)
     displacement -= end.take(edges[1], axis=0)
-    squared = np.zeros(len(displacement))
-    for axis in displacement.T:
-        squared += axis**2
+    squared = np.einsum("ij,ij->i", displacement, displacement)
     return squared if power == 2 else np.sqrt(squared)
 
 

@@ -72,9 +72,8 @@ def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0
     Parameters
     ----------
     start, end : (n, 3) and (m, 3) float ndarray
-    samples : int
-    seed : int
-        Of the directions of bisections.
+    samples, seed : int
+        Number of blocks, and the seed of the directions of bisections.
 
     Returns
     -------
