@@ -117,13 +117,11 @@ def leaving(
     lower = np.minimum(vertical.height(origin), floor)
     landing = vertical.at_height(origin, lower) if decay is Motion.FALL else origin
     colors = None if start.colors is None else start.colors.take(task.start, axis=0)
-    tracks = np.full(len(origin), task.organ)
     drop = float(np.sqrt(((landing - origin) ** 2).sum(axis=1).mean()))
     normals = None if start.normals is None else np.tile(start.normals[task.start], 2)
-    movers = Movers(decay, (origin, landing), tracks, colors, colors, normals)
-    return movers, SegmentPair(
-        task.organ, task.event, len(origin), 0, len(origin), "identity", drop, 0.0
-    )
+    count, organ = len(origin), task.organ
+    movers = Movers(decay, (origin, landing), np.full(count, organ), colors, colors, normals)
+    return movers, SegmentPair(organ, task.event, count, 0, count, "identity", drop, 0.0)
 
 
 def mid_area(before: Floats, a: Indices, after: Floats, b: Indices) -> NDArray[np.float64]:

@@ -54,10 +54,8 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
         back = fit_motion(target, source)
         return replace(back, sample=back.deformed, deformed=back.sample, is_reversed=True)
     children = source.nodes.keys() & target.nodes.keys()
-    nodes = [
-        np.array([shape.nodes[c] for c in sorted(children)], int) for shape in (source, target)
-    ]
-    landmarks = nodes[0], nodes[1]
+    first, second = ([s.nodes[c] for c in sorted(children)] for s in (source, target))
+    landmarks = np.array(first, int), np.array(second, int)
     clouds = source.points, target.points
     moved = spine_deformation(*clouds, source.spine, target.spine, landmarks)
     deformed = register_nonrigid(moved, target.points, landmarks)

@@ -49,9 +49,9 @@ def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -
         return f"leaf {organ.label if by_label else index}"
 
     names = list(map(name, range(len(organs)), organs))
-    used = set(zip(names, (organ.label for organ in organs), strict=True))
     for label, correction in labels.names.items():
-        if any(name == correction.name and other != label for name, other in used):
+        others = [name for name, organ in zip(names, organs, strict=True) if organ.label != label]
+        if correction.name in others:
             message = f"another organ is called '{correction.name}', too."
             raise InputError(f"{correction.title}: {message}")
     return tuple(

@@ -59,10 +59,8 @@ def locate_corrections(
     Parameters
     ----------
     corrections : sequence of Correction
-    raw, series : Series
-        All scans, and the scans to bake; corrections in other scans are ignored.
-    aligned : AlignedSeries
-        The scans to bake.
+    raw, series, aligned : Series, Series, AlignedSeries
+        All scans, the scans to bake, and these in one frame; corrections in others are ignored.
     scale : float
         The factor by which the coordinates in the files were multiplied.
 
@@ -76,12 +74,11 @@ def locate_corrections(
 
     def point(place: Place, title: str) -> tuple[int, int]:
         k = numbers[place.scan]
-        scan, spacing = series.scans[k], aligned.neighbors[k].spacing
-        distances = np.linalg.norm(
-            scan.points + (scan.origin - scale * np.array(place.point)), axis=1
-        )
+        scan = series.scans[k]
+        offsets = scan.points + (scan.origin - scale * np.array(place.point))
+        distances = np.linalg.norm(offsets, axis=1)
         nearest = int(distances.argmin())
-        if distances[nearest] > MAX_DISTANCE * spacing:
+        if distances[nearest] > MAX_DISTANCE * aligned.neighbors[k].spacing:
             position = ", ".join(f"{axis:g}" for axis in place.point)
             raise InputError(
                 f"{title}: ({position}) is {distances[nearest] / scale:.3g} from the nearest point "

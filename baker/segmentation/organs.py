@@ -42,9 +42,9 @@ def segment_organs(
     numbers, following = [], None
     for sample, tree, scores in reversed(list(map(_prepare, clouds, bases))):
         organ = np.zeros(len(sample.points), np.intp)
-        if following is not None:
-            scores = scores + _scores_from_next(sample, *following)
         if tree is not None:
+            if following is not None:
+                scores = scores + _scores_from_next(sample, *following)
             organ = merge_strips(sample, organs_of_nodes(sample, tree, scores)[tree.node])
         following = None if tree is None else (sample, organ)
         numbers.append(organ[sample.nearest].astype(np.int64))
