@@ -97,12 +97,8 @@ def _shifts(organs: Sequence[OrganPaths], scan: Hierarchy) -> Floats:
         own = carried.get(scan.organs[segment], np.zeros(3))
         shifts[segment] = shifts[scan.parents[segment]] + own
     by_organ = {organ: shifts[segment] for segment, organ in enumerate(scan.organs)}
-    return np.concatenate(
-        [
-            np.tile(by_organ[each.task.organ], (len(each.plan.rows), 1)) + each.deviation
-            for each in organs
-        ]
-    )
+    own = [np.tile(by_organ[each.task.organ], (len(each.plan.rows), 1)) for each in organs]
+    return np.concatenate([shift + each.deviation for shift, each in zip(own, organs, strict=True)])
 
 
 def leaving(

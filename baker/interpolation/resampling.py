@@ -36,10 +36,12 @@ def with_even_density(
     the points at its ends.
     """
     middle = position_at(movers.curve, 0.5)
-    repeated = _choose_repeated(middle, np.maximum(_target_density(area, growth) * area - 1, 0))
+    wanted = np.maximum(_target_density(area, growth) * area - 1, 0)
+    repeated, repetition = _choose_repeated(middle, wanted)
     if not len(repeated) or len(movers) <= NEIGHBORS:
         return movers
-    shift = _displacements(middle, np.sqrt(area), (start_points, end_points), repeated)
+    groups, width = (start_points, end_points), np.sqrt(area)
+    shift = _displacements(middle, width, groups, repeated, repetition)
 
     def extended(values: NDArray[Any]) -> NDArray[Any]:
         return np.concatenate([values, values.take(repeated, axis=0)])
@@ -76,7 +78,11 @@ def _target_density(areas: Floats, growth: float) -> float:
 
 
 def _displacements(
-    middle: Floats, width: Floats, groups: tuple[Indices, Indices], repeated: Indices
+    middle: Floats,
+    width: Floats,
+    groups: tuple[Indices, Indices],
+    repeated: Indices,
+    repetition: Indices,
 ) -> Floats:
     """(n, 3) displacements of repeated movers at mid-interval.
 
@@ -92,7 +98,6 @@ def _displacements(
     length, limit = np.linalg.norm(from_start, axis=1), MAX_OVERHANG * width
     from_start *= np.divide(limit, length, out=np.ones_like(length), where=length > limit)[:, None]
     shift = (from_start + from_end).take(repeated, axis=0)
-    repetition = np.arange(len(repeated)) - np.searchsorted(repeated, repeated)
     is_single = ~shift.any(axis=1)
     if is_single.any():
         own = middle[repeated[is_single]]
@@ -110,12 +115,13 @@ def _group_mean(group: Indices, values: Floats) -> Floats:
     return sums / np.bincount(group).take(group)[:, None]
 
 
-def _choose_repeated(points: Floats, wanted: Floats) -> NDArray[np.intp]:
-    """Indices of the movers to repeat, ascending, in even steps along the Morton curve.
+def _choose_repeated(points: Floats, wanted: Floats) -> tuple[Indices, Indices]:
+    """Indices of the movers to repeat, in even steps along the Morton curve.
 
-    wanted: (N,) the number of repetitions of each mover, as a fraction.
+    wanted: (N,) the number of repetitions of each mover, as a fraction. Also returns how often each
+    of the chosen movers was chosen before.
     """
     order = morton_order(points)
     total = np.cumsum(wanted[order])
-    steps = np.arange(0.5, total[-1], 1.0) if len(order) else np.empty(0)
-    return np.sort(order[np.searchsorted(total, steps)])
+    rank = np.searchsorted(total, np.arange(0.5, total[-1], 1.0))
+    return order[rank], np.arange(len(rank)) - np.searchsorted(rank, rank)
