@@ -97,8 +97,10 @@ def _shifts(organs: Sequence[OrganPaths], scan: Hierarchy) -> Floats:
         own = carried.get(scan.organs[segment], np.zeros(3))
         shifts[segment] = shifts[scan.parents[segment]] + own
     by_organ = {organ: shifts[segment] for segment, organ in enumerate(scan.organs)}
-    own = [np.tile(by_organ[each.task.organ], (len(each.plan.rows), 1)) for each in organs]
-    return np.concatenate([shift + each.deviation for shift, each in zip(own, organs, strict=True)])
+    base = [np.tile(by_organ[each.task.organ], (len(each.plan.rows), 1)) for each in organs]
+    return np.concatenate(
+        [shift + each.deviation for shift, each in zip(base, organs, strict=True)]
+    )
 
 
 def leaving(

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from baker.interpolation.interval_job import IntervalJob
 from baker.matching.descriptors import OrganDescriptors, describe_organs
-from baker.matching.match import Match
 from baker.matching.score import best_pairs, match_scores
 from baker.segmentation.hierarchy import Hierarchy
 from baker.verdict.doubt import MIN_SHARE
