@@ -21,7 +21,6 @@ from baker.geometry.up_axis import Vertical
 from baker.interpolation.attributes import painted, with_fields
 from baker.interpolation.interval_job import interval_jobs, solve_intervals
 from baker.interpolation.provenance import describe_provenance, describe_tracks
-from baker.matching import LabelUse, follow_labels, follow_organs, label_policy, match_series
 from baker.matching.corrections import (
     PointCorrection,
     confirmed_organs,
@@ -31,6 +30,8 @@ from baker.matching.corrections import (
     relinked,
     with_corrected_organs,
 )
+from baker.matching.labels import LabelUse, follow_labels, label_policy
+from baker.matching.match import follow_organs, match_series
 from baker.options import Options
 from baker.scans import Finding, Series, read_series
 from baker.segmentation.from_labels import coarse_hierarchies, labelled_hierarchies

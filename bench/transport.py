@@ -40,8 +40,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.transport.problem import TransportOptions, costs
+from baker.transport.sinkhorn import nearest, unique
 from baker.transport.solve import solve
-from baker.transport.support import nearest, unique
 
 SIZES = "500,1000,2000,5000,10000,20000,50000,100000,200000,500000"
 SPARSE_NEIGHBORS = 20

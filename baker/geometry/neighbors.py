@@ -93,3 +93,31 @@ def blocks(count: int) -> list[slice]:
 def point_spacing(points: NDArray[np.floating]) -> float:
     """Median distance from (N, 3) points to their nearest neighbours; 0 for N < 2."""
     return nearest_neighbors(points, 1).spacing if len(points) > 1 else 0.0
+
+
+def interpolate(
+    points: NDArray[np.floating],
+    samples: NDArray[np.floating],
+    values: NDArray[np.floating],
+    k: int,
+) -> NDArray[np.float64]:
+    """Interpolate values of samples by inverse distance weighting of the k nearest (Shepard 1968).
+
+    Parameters
+    ----------
+    points, samples : (n, 3) and (m, 3) float
+    values : (m, ...) float
+        Of the samples.
+    k : int
+        Number of samples that contribute to a value, reduced to m.
+
+    Returns
+    -------
+    (n, ...) float64
+    """
+    from scipy.spatial import KDTree
+
+    distances, nearest = KDTree(samples).query(points, k=[*range(1, min(k, len(samples)) + 1)])
+    weights = 1.0 / np.maximum(distances, 1e-9 * (distances.max() + 1e-30))
+    weights /= weights.sum(axis=1, keepdims=True)
+    return np.asarray(np.einsum("nk,nk...->n...", weights, values[nearest]))

@@ -43,10 +43,8 @@ def painted(
 
     Parameters
     ----------
-    keyframes : sequence of Keyframe
-    scans : sequence of Scan
-        The scans of the keyframes, as they were read.
-    hierarchies : sequence of Hierarchy
+    keyframes, scans, hierarchies : sequences of Keyframe, Scan and Hierarchy
+        Scans are as they were read.
     colors : {"scan", "segment", "none"}
         "segment" colours segments by their numbers (or labels) in each scan, so that the colours of
         matched segments are interpolated over time, which shows the matching.
@@ -80,10 +78,8 @@ def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequen
     Parameters
     ----------
     clip : Clip
-    clouds : sequence of (N, 3) float32 ndarray
-        The aligned scans, relative to the clip's origin.
-    scans : sequence of Scan
-        With `scalars` of the same names.
+    clouds, scans : sequences of (N, 3) float32 ndarray and Scan
+        Aligned, relative to the clip's origin; with `scalars` of the same names.
     """
     from scipy.spatial import KDTree
 

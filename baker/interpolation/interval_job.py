@@ -9,13 +9,7 @@ from numpy.typing import NDArray
 from baker.alignment.keyframes import AlignedSeries, Keyframe
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.movers import (
-    OrganMovers,
-    deviation_of,
-    leaving,
-    moving,
-    with_deviations,
-)
+from baker.interpolation.movers import OrganPaths, carried_deviations, leaving, moving
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import (
     Attachments,
@@ -23,28 +17,16 @@ from baker.interpolation.organ_shapes import (
     organ_attachments,
     organ_shapes,
 )
-from baker.interpolation.resampling import with_even_density
 from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings
-from baker.matching import Match
 from baker.matching.leaflets import LeafletPair, match_leaflets
+from baker.matching.match import Match
 from baker.options import Options
 from baker.transport.correspondences import correspond
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
 from gclip.pack import pack_interval
-
-
-@dataclass(frozen=True)
-class InterpolationOptions:
-    """The options of all intervals."""
-
-    transport: TransportOptions  # its `workers` is ignored
-    registered: bool  # whether organs are registered non-rigidly before they are transported
-    curved: bool  # whether organs deform along curved paths and move with their parents
-    even: float  # see `with_even_density`
-    precision: str  # see `pack_interval`
 
 
 @dataclass(frozen=True)
@@ -63,7 +45,11 @@ class IntervalJob:
     floor: float  # height to which lost organs fall; 0 if none falls
     attachments: tuple[Attachments, Attachments]  # of matched organs, in both scans
     spacing: float  # mean point spacing of the two scans
-    options: InterpolationOptions
+    transport: TransportOptions  # its `workers` is ignored
+    is_registered: bool  # whether organs are registered non-rigidly before they are transported
+    is_curved: bool  # whether organs deform along curved paths and move with their parents
+    growth: float  # see `with_even_density`
+    precision: str  # see `pack_interval`
 
 
 def interval_jobs(
@@ -78,9 +64,7 @@ def interval_jobs(
     Parameters
     ----------
     series : AlignedSeries
-    matches : sequence of Match
-        Of each interval.
-    tasks : sequence of tuple of Task
+    matches, tasks : sequences of Match and of tuple of Task
         Of each interval.
     options : Options
         Resolved.
@@ -100,20 +84,14 @@ def interval_jobs(
     timings: list[dict[int, Timing]] = [{} for _ in matches]
     if is_curved:
         timings = organ_timings(clouds, matches, series.times, series.spacing)
-    chosen = InterpolationOptions(
-        transport=TransportOptions(  # in the paper, costs are distances on a plain kNN support
-            method="sinkhorn" if options.transport == "sinkhorn" else "exact",
-            power=1 if options.paper else 2,
-            neighbors=options.neighbors,
-            gamma=options.gamma,
-            tolerance=options.tolerance,
-            iterations=options.iterations,
-            feasible=not options.paper,
-        ),
-        registered=not (options.paper or options.whole),
-        curved=is_curved,
-        even=options.even or 0.0,
-        precision=options.precision,
+    transport = TransportOptions(  # in the paper, costs are distances on a plain kNN support
+        method="sinkhorn" if options.transport == "sinkhorn" else "exact",
+        power=1 if options.paper else 2,
+        neighbors=options.neighbors,
+        gamma=options.gamma,
+        tolerance=options.tolerance,
+        iterations=options.iterations,
+        feasible=not options.paper,
     )
     decays = _decays(tasks, matches, Motion(options.decay), unlabelled)
     bases = [cloud[k] for cloud, k in zip(series.clouds, series.bases, strict=True)]
@@ -131,7 +109,11 @@ def interval_jobs(
             floor=series.floor if Motion.FALL in decays[k].values() else 0.0,
             attachments=(attachments[k], attachments[k + 1]),
             spacing=(spacings[k] + spacings[k + 1]) / 2,
-            options=chosen,
+            transport=transport,
+            is_registered=not (options.paper or options.whole),
+            is_curved=is_curved,
+            growth=options.even or 0.0,
+            precision=options.precision,
         )
         for k in range(len(matches))
     ]
@@ -143,8 +125,8 @@ def _decays(
     """The motion of each lost organ; an organ that reappears in a later scan does not fall."""
     decays, later = [], set[int]()
     for interval, match in zip(reversed(tasks), reversed(matches), strict=True):
-        lost = [task.organ for task in interval if task.event == "loss"]
-        fading = {organ for organ in lost if unlabelled or organ in later}
+        lost = {task.organ for task in interval if task.event == "loss"}
+        fading = lost if unlabelled else lost & later
         fading = fading if decay is Motion.FALL else set()
         decays.append({organ: Motion.FADE if organ in fading else decay for organ in lost})
         later |= {*match.second.organs}
@@ -185,52 +167,54 @@ def solve_intervals(
 def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> Interval:
     """Solve one interval; the result does not depend on `map` and `workers`.
 
-    Parameters
-    ----------
-    job : IntervalJob
-    map : map-like callable
-        Maps over the organs, in threads.
-    workers : int
-        Number of threads for the transport of an organ that is larger than a thread's share.
+    map: over the organs, in threads. workers: number of threads for the transport of an organ that
+    is larger than a thread's share.
     """
-    clouds, options = (job.start.positions, job.end.positions), job.options
-    scan = job.match.second
+    clouds, scan = (job.start.positions, job.end.positions), job.match.second
     shapes: Sequence[Mapping[int, OrganShape]] = {}, {}
-    if options.registered:
+    if job.is_registered:
         match = job.match
         matched = [a for a, _ in match.pairs], [b for _, b in match.pairs]
         sides = (match.first, match.second), job.bases, job.attachments, matched
         shapes = list(map(organ_shapes, clouds, *sides))
     sizes = [len(task.start) + len(task.end) for task in job.tasks]
 
-    def solve(task: Task, size: int) -> OrganMovers:
+    def solve(task: Task, size: int) -> OrganPaths | None:
         if task.event == "loss":
-            decay = job.decays[task.organ]
-            return leaving(task, job.start, decay, job.vertical, job.floor)
+            return None
         start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
         motion: OrganMotion | None = None
         parts: Sequence[LeafletPair] = ()
         if task.event == "match" and all(task.organ in side for side in shapes):
             motion, parts = _register_organ(start, end, *(side[task.organ] for side in shapes))
         threads = workers if size * workers > sum(sizes) else 1
-        plan = correspond(start, end, replace(options.transport, workers=threads), parts)
-        moved = moving(task, plan, job.start, job.end, job.timings.get(task.organ))
-        if motion is None or not options.curved or task.organ == scan.organs[scan.root]:
-            return moved
-        origin = start.take(plan.rows, axis=0)
-        return replace(moved, deviation=deviation_of(task.organ, motion, origin, clouds[1], scan))
+        plan = correspond(start, end, replace(job.transport, workers=threads), parts)
+        paths, origin = OrganPaths(task, plan), start.take(plan.rows, axis=0)
+        if timing := job.timings.get(task.organ):
+            target = end.take(plan.columns, axis=0)
+            paths = replace(paths, deviation=timing.shift(origin, target))
+        if motion is None or not job.is_curved or task.organ == scan.organs[scan.root]:
+            return paths
+        deviation = paths.deviation + motion.deviation(origin)
+        carried = carried_deviations(task.organ, motion, clouds[1], scan)
+        return replace(paths, deviation=deviation, carried=carried)
 
     # The largest organs first, so that threads finish at about the same time.
     order = np.argsort(sizes, kind="stable")[::-1]
     solutions = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
-    solved = [solutions[k] for k in np.argsort(order)]
-    solved = with_deviations(solved, scan) if options.curved else solved
+    paths = [each for k in np.argsort(order) if (each := solutions[k]) is not None]
+    left = [
+        leaving(task, job.start, job.decays[task.organ], job.vertical, job.floor)
+        for task in job.tasks
+        if task.event == "loss"
+    ]
+    moved = [moving(paths, job.start, job.end, scan, job.growth)] if paths else []
     return pack_interval(
         *job.times,
-        with_even_density(solved, options.even),
+        [*moved, *(movers for movers, _ in left)],
         spacing=job.spacing,
-        precision=options.precision,
-        segments=tuple(m.pair for m in solved),
+        precision=job.precision,
+        segments=(*(each.pair for each in paths), *(pair for _, pair in left)),
     )
 
 

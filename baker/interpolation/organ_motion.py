@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.neighbors import interpolate
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.organ_shapes import OrganShape
 from baker.interpolation.spine import Points, at_levels, fit_spine, unit
@@ -15,6 +16,7 @@ UNEVENNESS_RANGE = (0.04, 0.1)
 UNEVENNESS_OF_GROWTH = 0.08  # subtracted per factor e of growth
 FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # to which the stretch is measured
 POINTS_COMPARED = 100
+NEIGHBORS = 4  # points of the sample, from which other points are interpolated
 MIN_COSINE = -0.9  # between the directions of a segment in both scans, of which the mean is taken
 
 
@@ -34,24 +36,13 @@ class OrganMotion:
         """The points of the organ in both scans, those in one scan deformed onto the other."""
         shift = self.deformed - self.sample
         if self.is_reversed:
-            return start, end - _interpolate(end, self.deformed, shift)
-        return start + _interpolate(start, self.sample, shift), end
+            return start, end - interpolate(end, self.deformed, shift, NEIGHBORS)
+        return start + interpolate(start, self.sample, shift, NEIGHBORS), end
 
     def deviation(self, points: NDArray[np.floating]) -> Points:
         """(n, 3) deviation of movers that start at these points from their chords, mid-interval."""
-        return at_levels(self.deviations, _interpolate(points, self.sample, self.along))
-
-
-def _interpolate(
-    points: NDArray[np.floating], sample: Points, values: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Interpolate (n, ...) values of a sample at other points, weighted by inverse distance."""
-    from scipy.spatial import KDTree
-
-    distances, nearest = KDTree(sample).query(points, k=[*range(1, min(4, len(sample)) + 1)])
-    weights = 1.0 / np.maximum(distances, 1e-9 * (distances.max() + 1e-30))
-    weights /= weights.sum(axis=1, keepdims=True)
-    return np.einsum("nk,nk...->n...", weights, values[nearest])
+        along = interpolate(points, self.sample, self.along, NEIGHBORS)
+        return at_levels(self.deviations, along)
 
 
 def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
@@ -63,10 +54,8 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
         back = fit_motion(target, source)
         return replace(back, sample=back.deformed, deformed=back.sample, is_reversed=True)
     children = source.nodes.keys() & target.nodes.keys()
-    nodes = [
-        np.array([shape.nodes[c] for c in sorted(children)], int) for shape in (source, target)
-    ]
-    landmarks = nodes[0], nodes[1]
+    first, second = ([s.nodes[c] for c in sorted(children)] for s in (source, target))
+    landmarks = np.array(first, int), np.array(second, int)
     clouds = source.points, target.points
     moved = spine_deformation(*clouds, source.spine, target.spine, landmarks)
     deformed = register_nonrigid(moved, target.points, landmarks)

@@ -19,7 +19,7 @@ from baker.interpolation.spine import (
     path_lengths,
     sampled,
 )
-from baker.matching import Match
+from baker.matching.match import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 Cloud = NDArray[np.floating]
@@ -45,7 +45,7 @@ def organ_attachments(
     scans = zip(clouds, spacings, hierarchies, strict=True)
     contacts = [_contacts(*scan, matched) for scan in scans]
     chosen: list[Attachments] = [{} for _ in clouds]
-    for organ in matched:
+    for organ in set().union(*contacts):
         present = [scan for scan, of_scan in enumerate(contacts) if organ in of_scan]
         candidates = [contacts[scan][organ] for scan in present]
         for scan, contact in zip(present, _least_moving(candidates), strict=True):
@@ -63,11 +63,11 @@ def _contacts(
 
     trees: dict[int, KDTree] = {}
     contacts: dict[int, list[Cloud]] = {}
-    for segment, members in enumerate(hierarchy.segments):
-        organ, parent = hierarchy.organs[segment], hierarchy.parents[segment]
-        if organ not in organs or parent == NO_PARENT or len(members) < MIN_POINTS_FOR_SPINE:
-            continue
-        if not len(hierarchy.segments[parent]):
+    for members, organ, parent in zip(
+        hierarchy.segments, hierarchy.organs, hierarchy.parents, strict=True
+    ):
+        is_attached = parent != NO_PARENT and len(hierarchy.segments[parent])
+        if organ not in organs or not is_attached or len(members) < MIN_POINTS_FOR_SPINE:
             continue
         if parent not in trees:
             trees[parent] = KDTree(cloud[sampled(hierarchy.segments[parent])])
@@ -86,8 +86,6 @@ def _least_moving(candidates: Sequence[Sequence[Cloud]]) -> list[Cloud]:
     """One contact of each scan, with the smallest sum of distances between successive ones."""
     from scipy.spatial.distance import cdist
 
-    if not candidates:
-        return []
     cost, steps = np.zeros(len(candidates[0])), []
     for before, after in pairwise(candidates):
         total = np.array([[cdist(a, b).min() for a in before] for b in after]) + cost
@@ -135,12 +133,10 @@ def organ_shapes(
     for segment in hierarchy.from_the_root():
         members, parent = hierarchy.segments[segment], hierarchy.parents[segment]
         organ = hierarchy.organs[segment]
-        parent_shape = None if parent == NO_PARENT else shapes.get(hierarchy.organs[parent])
-        if segment not in needed or len(members) < MIN_POINTS_FOR_SPINE:
-            continue
         contact = base[None] if parent == NO_PARENT else attachments.get(organ)
-        if contact is None:
+        if segment not in needed or len(members) < MIN_POINTS_FOR_SPINE or contact is None:
             continue
+        parent_shape = None if parent == NO_PARENT else shapes.get(hierarchy.organs[parent])
         sample = points[sampled(members)].astype(np.float64)
         seeds = np.unique(KDTree(sample).query(contact)[1])
         offsets = np.zeros(len(seeds))

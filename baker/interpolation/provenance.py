@@ -8,8 +8,8 @@ from typing import Any
 from baker.alignment import Alignment
 from baker.errors import InputError
 from baker.interpolation.attributes import organ_colors
-from baker.matching import Organ
 from baker.matching.labels import LabelUse
+from baker.matching.match import Organ
 from baker.options import Options
 from baker.scans import Series
 from baker.scans.formats import READERS, suffix_of
@@ -49,9 +49,9 @@ def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -
         return f"leaf {organ.label if by_label else index}"
 
     names = list(map(name, range(len(organs)), organs))
-    used = set(zip(names, (organ.label for organ in organs), strict=True))
     for label, correction in labels.names.items():
-        if any(name == correction.name and other != label for name, other in used):
+        others = [name for name, organ in zip(names, organs, strict=True) if organ.label != label]
+        if correction.name in others:
             message = f"another organ is called '{correction.name}', too."
             raise InputError(f"{correction.title}: {message}")
     return tuple(
@@ -82,23 +82,14 @@ def describe_provenance(
     ----------
     raw, series : Series
         All scans as they were read, and the scans that were baked.
-    alignment : Alignment
-        Of all scans.
-    labels : LabelUse
-    hierarchies : sequence of Hierarchy
+    alignment, labels, hierarchies
+        Of all scans; of those that were baked.
     options : Options
         As the user gave them.
-
-    Returns
-    -------
-    dict
-        Values that JSON can represent.
     """
-    notes: list[str] = []
-    if len(series.scans) < len(raw.scans):
-        kept = {scan.time for scan in series.scans}
-        names = [scan.name for scan in raw.scans if scan.time not in kept]
-        notes.append(f"left out of the bake, only aligned: {', '.join(names)}")
+    kept = {scan.time for scan in series.scans}
+    left_out = [scan.name for scan in raw.scans if scan.time not in kept]
+    notes = [f"left out of the bake, only aligned: {', '.join(left_out)}"] if left_out else []
     for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
         notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
     findings = (*series.findings, *alignment.findings, *labels.findings)

@@ -6,11 +6,9 @@ area, movers are repeated: with the same start and end, so that the scans are st
 exactly, but displaced in between.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,25 +16,43 @@ from numpy.typing import NDArray
 from gclip.evaluate import bernstein
 from gclip.morton import morton_order
 from gclip.pack import Movers, elevate_degree
-
-if TYPE_CHECKING:
-    from baker.interpolation.movers import OrganMovers
+from gclip.schema import OPTIONAL
 
 MAX_OVERHANG = 0.35  # distance of a mover from the mean of its group : square root of its area
 NEIGHBORS = 8  # towards which repetitions of a mover that shares no point are displaced in turn
 
-Array = NDArray[Any]
 Floats = NDArray[np.floating]
+Indices = NDArray[np.integer]
 
 
-def with_even_density(tasks: Sequence[OrganMovers], growth: float) -> list[Movers]:
-    """Repeat movers of an interval where they are sparse, up to `growth` times their number.
+def with_even_density(
+    movers: Movers, area: Floats, start_points: Indices, end_points: Indices, growth: float
+) -> Movers:
+    """Repeat movers where they are sparse, up to `growth` times their number.
 
-    Tasks without an area are left unchanged. The added movers of a task follow the others.
+    The repeated movers follow the others, on curves of degree 2.
+
+    area: (M,) that each mover represents at mid-interval. start_points, end_points: (M,) indices of
+    the points at its ends.
     """
-    areas = [task.area for task in tasks if task.area is not None]
-    density = _target_density(np.concatenate(areas), growth) if areas else 0.0
-    return list(map(_fill, tasks, [density] * len(tasks)))
+    middle = position_at(movers.curve, 0.5)
+    wanted = np.maximum(_target_density(area, growth) * area - 1, 0)
+    repeated, repetition = _choose_repeated(middle, wanted)
+    if not len(repeated) or len(movers) <= NEIGHBORS:
+        return movers
+    groups, width = (start_points, end_points), np.sqrt(area)
+    shift = _displacements(middle, width, groups, repeated, repetition)
+
+    def extended(values: NDArray[Any]) -> NDArray[Any]:
+        return np.concatenate([values, values.take(repeated, axis=0)])
+
+    start, control, end = map(extended, elevate_degree(movers.curve, 2))
+    control[len(movers) :] += 2.0 * shift  # its weight at mid-interval is 1/2
+    attributes = {name: getattr(movers, name) for name in ("tracks", *OPTIONAL)}
+    repeated_attributes: dict[str, Any] = {
+        name: extended(values) for name, values in attributes.items() if values is not None
+    }
+    return replace(movers, curve=(start, control, end), **repeated_attributes)
 
 
 def position_at(curve: Sequence[Floats], u: float) -> Floats:
@@ -61,72 +77,51 @@ def _target_density(areas: Floats, growth: float) -> float:
     return float(min(candidates[last], 1 / max(descending[-(len(areas) // 20) - 1], 1e-300)))
 
 
-def _fill(task: OrganMovers, density: float) -> Movers:
-    """Repeat some of a task's movers, on curves of degree 2, with their control points shifted."""
-    movers = task.movers
-    if task.area is None or len(movers) <= NEIGHBORS:
-        return movers
-    middle = position_at(movers.curve, 0.5)
-    repeated = _choose_repeated(middle, np.maximum(density * task.area - 1, 0))
-    if not len(repeated):
-        return movers
-
-    def extended(values: Array, shift: Floats | int = 0) -> Array:
-        return np.concatenate([values, values.take(repeated, axis=0) + shift], dtype=values.dtype)
-
-    start, control, end = elevate_degree(movers.curve, 2)
-    # The weight of the control point at mid-interval is 1/2.
-    control = extended(control, 2.0 * _displacements(task, middle, repeated))
-    attributes = {n: getattr(movers, n) for n in ("start_colors", "end_colors", "normals")}
-    optional: dict[str, Any] = {n: extended(v) for n, v in attributes.items() if v is not None}
-    return replace(
-        movers,
-        curve=(extended(start), control, extended(end)),
-        tracks=extended(movers.tracks),
-        **optional,
-    )
-
-
-def _displacements(task: OrganMovers, middle: Floats, repeated: NDArray[np.intp]) -> Floats:
+def _displacements(
+    middle: Floats,
+    width: Floats,
+    groups: tuple[Indices, Indices],
+    repeated: Indices,
+    repetition: Indices,
+) -> Floats:
     """(n, 3) displacements of repeated movers at mid-interval.
 
     Movers with the same start or end point form a group around its mean. A repetition is displaced
     away from that mean, by at most `MAX_OVERHANG`, since beyond a tip there are no other movers. A
     mover that shares no point is displaced towards a neighbour.
+
+    middle, width: (M, 3) and (M,) position and width of each mover at mid-interval.
     """
     from scipy.spatial import KDTree
 
-    from_mean = middle - _group_mean(task.start_points, middle)
-    assert task.area is not None
-    length, limit = np.linalg.norm(from_mean, axis=1), MAX_OVERHANG * np.sqrt(task.area)
-    from_mean *= np.divide(limit, length, out=np.ones_like(length), where=length > limit)[:, None]
-    shared = (from_mean + middle - _group_mean(task.end_points, middle)) / 2
-    repetition = np.arange(len(repeated)) - np.searchsorted(repeated, repeated)
-    shift = 2 * shared.take(repeated, axis=0)
+    from_start, from_end = (middle - _group_mean(group, middle) for group in groups)
+    length, limit = np.linalg.norm(from_start, axis=1), MAX_OVERHANG * width
+    from_start *= np.divide(limit, length, out=np.ones_like(length), where=length > limit)[:, None]
+    shift = (from_start + from_end).take(repeated, axis=0)
     is_single = ~shift.any(axis=1)
     if is_single.any():
+        own = middle[repeated[is_single]]
         ranks = np.arange(2, min(int(repetition[is_single].max()), NEIGHBORS - 1) + 3)
-        tree = KDTree(middle, balanced_tree=False)
-        nearest = tree.query(middle[repeated[is_single]], k=ranks)[1]
+        nearest = KDTree(middle, balanced_tree=False).query(own, k=ranks)[1]
         neighbor = nearest[np.arange(len(nearest)), repetition[is_single] % NEIGHBORS]
         # A third of the distance, since the neighbour's repetition may be as near from its side.
-        shift[is_single] = (middle[neighbor] - middle[repeated[is_single]]) / 3
+        shift[is_single] = (middle[neighbor] - own) / 3
     return shift / (1 + repetition // np.where(is_single, NEIGHBORS, 1))[:, None]
 
 
-def _group_mean(group: NDArray[np.integer] | None, values: Floats) -> Floats:
+def _group_mean(group: Indices, values: Floats) -> Floats:
     """(N, 3) mean of `values` over the movers of each mover's group."""
-    assert group is not None  # movers with an area have start and end points
     sums = np.stack([np.bincount(group, weights).take(group) for weights in values.T], axis=1)
     return sums / np.bincount(group).take(group)[:, None]
 
 
-def _choose_repeated(points: Floats, wanted: Floats) -> NDArray[np.intp]:
-    """Indices of the movers to repeat, ascending, in even steps along the Morton curve.
+def _choose_repeated(points: Floats, wanted: Floats) -> tuple[Indices, Indices]:
+    """Indices of the movers to repeat, in even steps along the Morton curve.
 
-    wanted: (N,) the number of repetitions of each mover, as a fraction.
+    wanted: (N,) the number of repetitions of each mover, as a fraction. Also returns how often each
+    of the chosen movers was chosen before.
     """
     order = morton_order(points)
     total = np.cumsum(wanted[order])
-    steps = np.arange(0.5, total[-1], 1.0) if len(order) else np.empty(0)
-    return np.sort(order[np.searchsorted(total, steps)])
+    rank = np.searchsorted(total, np.arange(0.5, total[-1], 1.0))
+    return order[rank], np.arange(len(rank)) - np.searchsorted(rank, rank)

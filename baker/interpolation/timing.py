@@ -7,12 +7,11 @@ sway change their direction from scan to scan, and are assumed to move evenly.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.matching import Match
+from baker.matching.match import Match
 
 # Cosine of an organ's displacements in two intervals: below the first, its speeds are not related,
 # at the second they are (docs/method.md, "Motion of organs").
@@ -25,18 +24,18 @@ MIN_DISPLACEMENT = 1.0  # in point spacings, of organs that have a direction of 
 MIN_SHIFT = 0.1  # in point spacings; smaller ones can't be seen
 MIN_POINTS_FOR_RADIUS = 20
 
-Vector = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class Timing:
     """How far beyond the middle of its path an organ is at mid-interval."""
 
-    displacement: Vector  # (3,) of the organ's centroid
+    displacement: Floats  # (3,) of the organ's centroid
     offset: float  # of the centroid, as a share of its displacement
     radial_offset: float  # of growth about the centroid, as a share of the relative displacement
 
-    def shift(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Vector:
+    def shift(self, start: NDArray[np.floating], end: NDArray[np.floating]) -> Floats:
         """(N, 3) offsets of movers between these points from the middle of their paths."""
         relative = np.asarray(end, float) - start - self.displacement
         return np.asarray(self.offset * self.displacement + self.radial_offset * relative)
@@ -58,87 +57,77 @@ def organ_timings(
     F. N. Fritsch and J. Butland (1984), A Method for Constructing Local Monotone Piecewise Cubic
     Interpolants: the speed at a scan is a weighted harmonic mean of the speeds before and after.
     """
-    changes = list(map(_changes, clouds, clouds[1:], matches))
-    moved, grown = [change[0] for change in changes], [change[1] for change in changes]
-    cosines = [
-        _cosine(displacement, following[organ])
-        for before, following in pairwise(moved)
-        for organ, displacement in before.items()
-        if organ in following
-        and min(np.linalg.norm(displacement), np.linalg.norm(following[organ]))
-        > MIN_DISPLACEMENT * spacing
+    if len(matches) < 2:
+        return [{} for _ in matches]
+    moved, grown = _changes(clouds, matches)
+    length, spans = np.linalg.norm(moved, axis=2), np.diff(times)
+    has_direction = np.minimum(length[:-1], length[1:]) > MIN_DISPLACEMENT * spacing
+    cosines = _cosines(moved)[has_direction]
+    if not len(cosines) or np.median(cosines) < MIN_MEDIAN_COSINE:
+        return [{} for _ in matches]
+    offsets, radial = _offsets(moved, spans, np.inf), _offsets(grown, spans, 0.0)
+    shift = np.fmax(np.abs(offsets) * length, np.abs(radial * grown[:, :, 0]))
+    return [
+        {
+            organ: Timing(moved[k, organ], float(offsets[k, organ]), float(radial[k, organ]))
+            for organ in np.flatnonzero(shift[k] > MIN_SHIFT * spacing).tolist()
+        }
+        for k in range(len(matches))
     ]
-    if not cosines or np.median(cosines) < MIN_MEDIAN_COSINE:
-        return [{} for _ in moved]
-    spans: list[float] = np.diff(times).tolist()
-    timings: list[dict[int, Timing]] = [{} for _ in moved]
-    for k, displacements in enumerate(moved):
-        for organ, displacement in displacements.items():
-            offset = _offset(moved, spans, k, organ, limit=np.inf)
-            radial = _offset(grown, spans, k, organ, limit=0.0)
-            shift = abs(offset) * np.linalg.norm(displacement)
-            widening = abs(radial) * np.linalg.norm(grown[k].get(organ, 0))
-            if max(shift, widening) > MIN_SHIFT * spacing:
-                timings[k][organ] = Timing(displacement, offset, radial)
-    return timings
 
 
 def _changes(
-    source: NDArray[np.floating], target: NDArray[np.floating], match: Match
-) -> tuple[dict[int, Vector], dict[int, Vector]]:
-    """Matched organ -> (3,) displacement of its centroid; organ -> (1,) increase of its radius."""
-    moved, grown = {}, {}
-    for a, b in match.pairs:
-        before, after = match.first.segments[a], match.second.segments[b]
-        if len(before) and len(after):
-            start, end = source[before].astype(float), target[after].astype(float)
-            moved[match.second.organs[b]] = end.mean(axis=0) - start.mean(axis=0)
-            if min(len(start), len(end)) >= MIN_POINTS_FOR_RADIUS:
+    clouds: Sequence[NDArray[np.floating]], matches: Sequence[Match]
+) -> tuple[Floats, Floats]:
+    """(K, M, 3) displacements of the centroids and (K, M, 1) increases of the radii of M organs.
+
+    They are NaN in intervals in which an organ is not matched or too small.
+    """
+    organs = 1 + max(organ for match in matches for organ in match.second.organs)
+    moved = np.full((len(matches), organs, 3), np.nan)
+    grown = np.full((len(matches), organs, 1), np.nan)
+    for k, match in enumerate(matches):
+        for a, b in match.pairs:
+            start = clouds[k][match.first.segments[a]].astype(float)
+            end = clouds[k + 1][match.second.segments[b]].astype(float)
+            organ, count = match.second.organs[b], min(len(start), len(end))
+            if count:
+                moved[k, organ] = end.mean(axis=0) - start.mean(axis=0)
+            if count >= MIN_POINTS_FOR_RADIUS:
                 radii = [np.sqrt(points.var(axis=0).sum()) for points in (start, end)]
-                grown[match.second.organs[b]] = np.diff(radii)
+                grown[k, organ] = np.diff(radii)
     return moved, grown
 
 
-def _offset(
-    changes: Sequence[dict[int, Vector]], spans: Sequence[float], k: int, organ: int, limit: float
-) -> float:
-    """The offset of an organ at mid-interval beyond half of its change, as a share of the change.
+def _offsets(changes: Floats, spans: Floats, limit: float) -> Floats:
+    """(K, M) offset of organs beyond half of their (K, M, d) changes, as a share of the change.
 
     A cubic path from 0 to 1 is at 1/2 + (v - w) / 8 in the middle, with speeds v and w at its ends.
     At the ends of the series, the acceleration is continued from the other scan of the interval, up
-    to `limit`.
+    to `limit`. It is 0 where nothing is known.
     """
+    speed, span = np.linalg.norm(changes, axis=2) / spans[:, None], spans[:, None]
+    weight, next_weight = span[:-1] + 2 * span[1:], 2 * span[:-1] + span[1:]
+    trust = np.interp(_cosines(changes), (MIN_COSINE, FULL_COSINE), (0.0, 1.0))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        mean = (weight + next_weight) / (weight / speed[:-1] + next_weight / speed[1:])
+        # Relative to the speed in the interval before, and in the one after the scan.
+        before, after = (
+            np.where(speed[:-1] * speed[1:] == 0, 0.0, trust * (mean / each - 1))
+            for each in (speed[:-1], speed[1:])
+        )
+    unknown = np.full((1, speed.shape[1]), np.nan)
+    first, last = np.concatenate([unknown, after]), np.concatenate([before, unknown])
     first, last = (
-        _acceleration(changes[k][organ], spans[k], changes[n][organ], spans[n])
-        if organ in changes[k] and 0 <= n < len(changes) and organ in changes[n]
-        else None
-        for n in (k - 1, k + 1)
+        np.where(np.isnan(first), np.minimum(-last, limit), first),
+        np.where(np.isnan(last), np.minimum(-first, limit), last),
     )
-    if first is None and last is None:
-        return 0.0
-    if first is None:
-        first = min(-(last or 0.0), limit)
-    elif last is None:
-        last = min(-first, limit)
-    return float(np.clip((first - (last or 0.0)) / 8, -MAX_OFFSET, MAX_OFFSET))
+    return np.clip(np.nan_to_num(first - last) / 8, -MAX_OFFSET, MAX_OFFSET)
 
 
-def _acceleration(displacement: Vector, span: float, other: Vector, other_span: float) -> float:
-    """The relative difference between the speed of an organ at a scan and in an adjacent interval.
-
-    other, other_span: displacement and duration of the interval on the other side of the scan.
-    """
-    speed = float(np.linalg.norm(displacement)) / span
-    other_speed = float(np.linalg.norm(other)) / other_span
-    if speed == 0 or other_speed == 0:
-        return 0.0
-    weight, other_weight = 2 * other_span + span, other_span + 2 * span
-    mean = (weight + other_weight) / (weight / speed + other_weight / other_speed)
-    trust = np.interp(_cosine(displacement, other), (MIN_COSINE, FULL_COSINE), (0.0, 1.0))
-    return float(trust) * (mean / speed - 1)
-
-
-def _cosine(first: Vector, second: Vector) -> float:
-    """The cosine of the angle between two vectors; 0 if one is zero."""
-    lengths = float(np.linalg.norm(first) * np.linalg.norm(second))
-    return float(first @ second) / lengths if lengths > 0 else 0.0
+def _cosines(changes: Floats) -> Floats:
+    """(K - 1, M) cosines between (K, M, d) changes in successive intervals; 0 if one is 0."""
+    length = np.linalg.norm(changes, axis=2)
+    product = length[:-1] * length[1:]
+    cosines = np.einsum("kmd,kmd->km", changes[:-1], changes[1:]) / np.where(product, product, 1.0)
+    return np.asarray(cosines)

@@ -59,10 +59,8 @@ def locate_corrections(
     Parameters
     ----------
     corrections : sequence of Correction
-    raw, series : Series
-        All scans, and the scans to bake; corrections in other scans are ignored.
-    aligned : AlignedSeries
-        The scans to bake.
+    raw, series, aligned : Series, Series, AlignedSeries
+        All scans, the scans to bake, and these in one frame; corrections in others are ignored.
     scale : float
         The factor by which the coordinates in the files were multiplied.
 
@@ -76,12 +74,11 @@ def locate_corrections(
 
     def point(place: Place, title: str) -> tuple[int, int]:
         k = numbers[place.scan]
-        scan, spacing = series.scans[k], aligned.neighbors[k].spacing
-        distances = np.linalg.norm(
-            scan.points + (scan.origin - scale * np.array(place.point)), axis=1
-        )
+        scan = series.scans[k]
+        offsets = scan.points + (scan.origin - scale * np.array(place.point))
+        distances = np.linalg.norm(offsets, axis=1)
         nearest = int(distances.argmin())
-        if distances[nearest] > MAX_DISTANCE * spacing:
+        if distances[nearest] > MAX_DISTANCE * aligned.neighbors[k].spacing:
             position = ", ".join(f"{axis:g}" for axis in place.point)
             raise InputError(
                 f"{title}: ({position}) is {distances[nearest] / scale:.3g} from the nearest point "
@@ -118,30 +115,36 @@ def with_corrected_organs(
 
     Parameters
     ----------
-    labels : sequence of (N,) int64 ndarray
+    labels : sequence of (N,) int64
         The organ of each point of each scan.
-    aligned : AlignedSeries
-    corrections : sequence of PointCorrection
+    aligned, corrections : AlignedSeries, sequence of PointCorrection
 
     Returns
     -------
-    list of (N,) int64 ndarray
+    list of (N,) int64
         Parts that are cut off have new labels.
     """
-    corrected, unused = list(labels), 1 + max(int(organs.max()) for organs in labels)
+    corrected = list(labels)
     for each in sorted(corrections, key=lambda correction: correction.kind != "cut"):
-        (k, point), (last, other) = each.places[0], each.places[-1]
+        (k, point), (_, other) = each.places[0], each.places[-1]
         organs = corrected[k]
+        organ = organs == organs[point]
         if each.kind == "cut":
-            part = _beyond(aligned, k, organs == organs[point], point, each.title)
-        elif each.kind == "different" and k == last and organs[point] == organs[other]:
-            part = _minimum_cut(aligned.clouds[k], organs == organs[point], (point, other))
-        else:
-            if each.kind == "same" and k == last:
-                corrected[k] = np.where(organs == organs[other], organs[point], organs)
+            part = _beyond(aligned, k, organ, point, each.title)
+            corrected[k] = np.where(part, _unused(corrected), organs)
+        elif each.spans_scans or each.kind == "name":
             continue
-        corrected[k], unused = np.where(part, unused, organs), unused + 1
+        elif each.kind == "same":
+            corrected[k] = np.where(organs == organs[other], organs[point], organs)
+        elif organ[other]:
+            part = _minimum_cut(aligned.clouds[k], organ, (point, other))
+            corrected[k] = np.where(part, _unused(corrected), organs)
     return corrected
+
+
+def _unused(labels: Sequence[Labels]) -> int:
+    """A label above all others."""
+    return 1 + max(int(organs.max()) for organs in labels)
 
 
 def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -> list[Labels]:
@@ -152,28 +155,22 @@ def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -
 
     Parameters
     ----------
-    labels : sequence of (N,) int
-        The organ of each point of each scan.
-    corrections : sequence of PointCorrection
-
-    Returns
-    -------
-    list of (N,) int
-        The corrected labels.
+    labels, corrections : sequences of (N,) int64 and PointCorrection
+        The organ of each point of each scan, and what is to be corrected.
 
     Raises
     ------
     InputError
         If corrections contradict each other.
     """
-    corrected, unused = list(labels), 1 + max(int(organs.max()) for organs in labels)
+    corrected = list(labels)
     links = sorted((c for c in corrections if c.spans_scans), key=lambda c: c.places[1][0])
     for each in links:
         (k, point), (later, other) = each.places
         a, b = corrected[k][point], corrected[later][other]
         if (a == b) == (each.kind == "same"):
             continue
-        b, unused = (b, unused) if each.kind == "same" else (unused, unused + 1)
+        b = b if each.kind == "same" else _unused(corrected)
         for scan in range(later, len(corrected)):
             organs = corrected[scan]
             corrected[scan] = np.where(organs == a, b, np.where(organs == b, a, organs))
@@ -187,18 +184,9 @@ def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -
 def organ_names(
     labels: Sequence[Labels], corrections: Sequence[PointCorrection]
 ) -> dict[int, PointCorrection]:
-    """Find the corrections that name organs.
+    """Label -> the last correction that names the organ.
 
-    Parameters
-    ----------
-    labels : sequence of (N,) int
-        The organ of each point of each scan, with consistent labels.
-    corrections : sequence of PointCorrection
-
-    Returns
-    -------
-    dict of int to PointCorrection
-        Label -> the last correction that names the organ.
+    labels: (N,) int organs of each scan, with consistent labels.
     """
     names = (each for each in corrections if each.kind == "name")
     return {int(labels[k][point]): each for each in names for k, point in each.places}
@@ -207,18 +195,9 @@ def organ_names(
 def confirmed_organs(
     labels: Sequence[Labels], corrections: Sequence[PointCorrection]
 ) -> frozenset[tuple[int, int]]:
-    """Find the organs that corrections confirm to be the same in both scans of an interval.
+    """The (interval, label) of organs that corrections confirm to be the same in both its scans.
 
-    Parameters
-    ----------
-    labels : sequence of (N,) int
-        The organ of each point of each scan, with consistent labels.
-    corrections : sequence of PointCorrection
-
-    Returns
-    -------
-    frozenset of tuple
-        (index of the interval, label).
+    labels: (N,) int organs of each scan, with consistent labels.
     """
     same = [each.places for each in corrections if each.kind == "same" and each.spans_scans]
     return frozenset(

@@ -106,11 +106,10 @@ def _organs(hierarchy: Hierarchy, root_point: int) -> tuple[list[NDArray[np.intp
 
     The root is the segment with the root point; children of a virtual root become its children.
     """
-    segments = [s for s, points in enumerate(hierarchy.segments) if len(points)]
-    members = [hierarchy.segments[s] for s in segments]
+    members = [segment for segment in hierarchy.segments if len(segment)]
     root = next(index for index, points in enumerate(members) if root_point in points)
-    index = {segment: organ for organ, segment in enumerate(segments)}
-    parents = [index.get(hierarchy.parents[segment], root) for segment in segments]
+    of_members = hierarchy.parents[: len(members)]  # a virtual root is the last segment
+    parents = [parent if 0 <= parent < len(members) else root for parent in of_members]
     parents[root] = NO_PARENT
     return members, root, parents
 

@@ -70,12 +70,8 @@ def label_policy(
 
     Parameters
     ----------
-    labels : sequence of (N,) int64 ndarray or None
-        The labels of each scan, as they were read.
-    names : sequence of str
-        The names of the scans, for messages.
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
+    labels, names, clouds : sequences of (N,) int64 ndarray or None, str, (N, 3) float ndarray
+        Of the aligned scans; labels as they were read.
     root_points : sequence of int
         Index of the point at the plant base, for each scan.
     requested : {"auto", "consistent", "independent", "ignore"}
@@ -109,33 +105,22 @@ def label_policy(
                 "organs of a plant; choose another field with --label-field, or read the scans "
                 "without labels (--labels ignore)."
             )
-    if requested != "auto":
-        consistent = requested == "consistent"
-        found = _describe(field, counts, len(labels), consistent, is_asked=True)
-        return LabelUse(tuple(labels), consistent, (Finding("labels", found),))
-    base_points = [root_points[k] for k in given]
-    agreement = label_agreement([clouds[k] for k in given], present, base_points)
-    consistent = agreement >= MIN_AGREEMENT
-    finding = Finding("labels", _describe(field, counts, len(labels), consistent, is_asked=False))
-    low, high = DOUBTFUL_AGREEMENT
-    if low < agreement < high:
-        doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
-        option = f"--labels {'independent' if consistent else 'consistent'}"
-        finding = replace(finding, doubt=doubt, option=option)
-    return LabelUse(tuple(labels), consistent, (finding,))
-
-
-def _describe(
-    field: str, counts: Sequence[int], scans: int, consistent: bool, is_asked: bool
-) -> str:
+    consistent, doubt, option = requested == "consistent", "", ""
+    if requested == "auto":
+        bases = [root_points[k] for k in given]
+        agreement = label_agreement([clouds[k] for k in given], present, bases)
+        consistent = agreement >= MIN_AGREEMENT
+        if DOUBTFUL_AGREEMENT[0] < agreement < DOUBTFUL_AGREEMENT[1]:
+            doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
+            option = f"--labels {'independent' if consistent else 'consistent'}"
     few, many = min(counts), max(counts)
-    organs = f"{few} to {many} organs" if many > few else f"{few} organ{'s' * (few > 1)}"
-    meaning = "the same ones in all scans" if consistent else "numbered anew in every scan"
-    name = f"'{field}', " if field else ""
-    text = f"{name}{organs}, {meaning}{', as asked' * is_asked}"
-    if len(counts) < scans:
-        text += f"; found by shape in {scans - len(counts)} of {scans} scans, without labels"
-    return text
+    found = f"'{field}', " if field else ""
+    found += f"{few} to {many} organs" if many > few else f"{few} organ{'s' * (few > 1)}"
+    found += ", the same ones in all scans" if consistent else ", numbered anew in every scan"
+    found += ", as asked" if requested != "auto" else ""
+    if missing := len(labels) - len(given):
+        found += f"; found by shape in {missing} of {len(labels)} scans, without labels"
+    return LabelUse(tuple(labels), consistent, (Finding("labels", found, doubt, option),))
 
 
 def follow_labels(
@@ -179,15 +164,16 @@ def follow_labels(
 
 def _complete_labels(labels: Sequence[Labels | None], tracks: Sequence[Labels]) -> list[Labels]:
     """Label the scans without labels by their tracks."""
-    given = [(scan, organs) for scan, organs in enumerate(labels) if organs is not None]
-    unused = 1 + max(int(organs.max()) for _, organs in given)
+    given = {scan: organs for scan, organs in enumerate(labels) if organs is not None}
+    unused = 1 + max(int(organs.max()) for organs in given.values())
     completed = []
     for k, (own, track) in enumerate(zip(labels, tracks, strict=True)):
-        names: dict[int, int] = {}
-        for scan, organs in sorted(given, key=lambda item: -abs(item[0] - k)):  # the nearest last
-            names |= zip(tracks[scan].tolist(), organs.tolist(), strict=True)
-        found = np.array([names.get(number, unused + number) for number in track.tolist()])
-        completed.append(found if own is None else own)
+        if own is None:
+            names: dict[int, int] = {}
+            for scan in sorted(given, key=lambda scan: -abs(scan - k)):  # the nearest last
+                names |= zip(tracks[scan].tolist(), given[scan].tolist(), strict=True)
+            own = np.array([names.get(number, unused + number) for number in track.tolist()])
+        completed.append(own)
     return completed
 
 
@@ -200,12 +186,6 @@ def label_agreement(
     successive scans, and 0 if random labels would give the same distances (like Cohen's kappa). The
     stem is left out if it has the same label in most scans: it is often 0 even if other labels are
     random.
-
-    Parameters
-    ----------
-    clouds, labels : sequences of (N, 3) float and (N,) int ndarrays
-    root_points : sequence of int
-        Index of the point at the plant base, for each scan.
     """
     from scipy.optimize import linear_sum_assignment
     from scipy.spatial.distance import cdist

@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.neighbors import interpolate
 from baker.geometry.rigid import rotations_between
 from baker.matching.score import best_pairs
 from baker.segmentation.leaflets import segment_leaflets
@@ -68,7 +69,7 @@ def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> 
     if len(pairs) < MIN_PAIRS:
         return []
     start_pair, end_pair = _pair_of(first, pairs[:, 0]), _pair_of(second, pairs[:, 1])
-    moved = source + _displacements(source, end, attachments, start_pair, end_pair, len(pairs))
+    moved = source + _displacements(source, end, attachments, start_pair, end_pair)
     start_pair, end_pair = (
         _with_unmatched(first, start_pair, source, end_pair, end),
         _with_unmatched(second, end_pair, end, start_pair, source),
@@ -93,10 +94,10 @@ class _Leaflets:
 
     @classmethod
     def of(cls, points: Points, leaflet: Indices) -> Self:
-        centroid, count = _centroids(points, leaflet, int(leaflet.max()) + 1)
-        inside = leaflet >= 0
-        squared = ((points[inside] - centroid[leaflet[inside]]) ** 2).sum(axis=1)
-        radius = np.sqrt(np.bincount(leaflet[inside], squared) / count)
+        parts = [points[leaflet == k].astype(float) for k in range(int(leaflet.max()) + 1)]
+        centroid = np.array([part.mean(axis=0) for part in parts])
+        radius = np.array([np.sqrt(part.var(axis=0).sum()) for part in parts])
+        count = np.array([float(len(part)) for part in parts])
         return cls(centroid, radius, count, count / len(points))
 
 
@@ -107,7 +108,7 @@ def register_leaflets(
 
     The candidates are: no motion; a translation of the attachment point; and rotations about it
     that align the direction of one leaflet with that of another, with or without scaling. The one
-    with the highest total score of matched leaflets is chosen.
+    with the highest total score of matched leaflets is chosen, of those with `MIN_PAIRS` pairs.
 
     first, second: (n,) and (m,) the leaflet of each point, -1 on the stalk. Returns the registered
     points of `start` and the (p, 2) matched leaflets.
@@ -115,27 +116,25 @@ def register_leaflets(
     source, target = _Leaflets.of(start, first), _Leaflets.of(end, second)
     origin, base = start[attachments[0]].astype(float), end[attachments[1]].astype(float)
     maps, scales = _rotations(source, target, origin, base)
-    moved = np.einsum("hxy,ky->hkx", maps, source.centroid - origin) + base
+    shifts = base - maps @ origin
+    shifts[0] = 0.0  # no motion
+    moved = np.einsum("hxy,ky->hkx", maps, source.centroid) + shifts[:, None]
     radii = scales[:, None] * source.radius
     scores = _scores(moved, radii, source, target)
     # An upper bound of the score of any assignment: the sum of the maxima of rows, or of columns.
     bound = np.minimum(scores.max(axis=1).sum(axis=1), scores.max(axis=2).sum(axis=1))
-    chosen = np.argsort(-bound, kind="stable")[:ROTATIONS_REFINED]
-    min_pairs = max(2, min(MIN_PAIRS, len(source.count), len(target.count)))
-    chosen_pairs, best_score = _refine_pairs(source.centroid, source.radius, source, target)
-    best = start.astype(float)
-    for h in (0, *chosen.tolist()):
+    best, chosen, best_score = start.astype(float), np.empty((0, 2), np.intp), 0.0
+    for h in (0, 1, *np.argsort(-bound, kind="stable")[:ROTATIONS_REFINED].tolist()):
         pairs, score = _refine_pairs(moved[h], radii[h], source, target)
-        if score > best_score and (h == 0 or len(pairs) >= min_pairs):
-            chosen_pairs, best_score = pairs, score
-            best = (start - origin) @ maps[h].T + base
-    return best, chosen_pairs
+        if score > best_score and len(pairs) >= MIN_PAIRS:
+            best, chosen, best_score = start @ maps[h].T + shifts[h], pairs, score
+    return best, chosen
 
 
 def _rotations(
     source: _Leaflets, target: _Leaflets, origin: Floats, base: Floats
 ) -> tuple[Floats, Floats]:
-    """(H, 3, 3) candidate maps about the attachment, identity first, and their (H,) scales."""
+    """(H, 3, 3) candidate maps, the identity first, twice, and their (H,) scales."""
     start, end = source.centroid - origin, target.centroid - base
     start_length, end_length = np.linalg.norm(start, axis=1), np.linalg.norm(end, axis=1)
     tiny = 1e-12 * (end_length.max() + start_length.max()) + np.finfo(float).tiny
@@ -147,8 +146,9 @@ def _rotations(
     largest = np.argsort(-size, kind="stable")[: MAX_SCORES // (2 * growth.size)]
     i, j = i[largest], j[largest]
     rotations = rotations_between(start[i] / start_length[i, None], end[j] / end_length[j, None])
-    maps = np.concatenate([np.eye(3)[None], rotations, rotations * growth[i, j, None, None]])
-    return maps, np.concatenate([np.ones(1 + len(i)), growth[i, j]])
+    scales = np.concatenate([np.ones(2 + len(i)), growth[i, j]])
+    maps = np.concatenate([np.eye(3)[None], np.eye(3)[None], rotations, rotations])
+    return maps * scales[:, None, None], scales
 
 
 def _scores(centroid: Floats, radius: Floats, source: _Leaflets, target: _Leaflets) -> Floats:
@@ -188,14 +188,6 @@ def _refine_pairs(
     return pairs, score
 
 
-def _centroids(points: Points, leaflet: Indices, count: int) -> tuple[Floats, Floats]:
-    """(count, 3) centroids of leaflets, and their (count,) numbers of points."""
-    inside = leaflet >= 0
-    members = np.bincount(leaflet[inside], minlength=count).astype(float)
-    sums = [np.bincount(leaflet[inside], axis, count) for axis in points[inside].T.astype(float)]
-    return np.stack(sums, axis=1) / members[:, None], members
-
-
 def _pair_of(leaflet: Indices, matched: Indices) -> Indices:
     """(n,) index of the pair of each point's leaflet, -1 if it is unmatched or the stalk."""
     pair = np.full(int(leaflet.max()) + 2, -1)
@@ -222,22 +214,13 @@ def _with_unmatched(
 
 
 def _displacements(
-    source: Points,
-    target: Points,
-    attachments: tuple[int, int],
-    first: Indices,
-    second: Indices,
-    pairs: int,
+    source: Points, target: Points, attachments: tuple[int, int], first: Indices, second: Indices
 ) -> Floats:
     """(n, 3) displacement of each point, interpolated from those of the leaflets around it.
 
-    The attachment point is included; weights are inverse distances.
+    The attachment point is included; weights are inverse distances. first, second: the pair of
+    leaflets of each point, -1 if it is in none.
     """
-    from scipy.spatial import KDTree
-
-    nodes = np.concatenate([_centroids(source, first, pairs)[0], source[[attachments[0]]]])
-    moved = np.concatenate([_centroids(target, second, pairs)[0], target[[attachments[1]]]])
-    distance, nearest = KDTree(nodes).query(source, k=min(STALK_NEIGHBORS, len(nodes)))
-    weight = 1.0 / np.maximum(distance, 1e-9 * (distance.max() + 1e-300))
-    weight /= weight.sum(axis=1, keepdims=True)
-    return np.asarray(np.einsum("nk,nkx->nx", weight, (moved - nodes)[nearest]))
+    nodes = np.concatenate([_Leaflets.of(source, first).centroid, source[[attachments[0]]]])
+    moved = np.concatenate([_Leaflets.of(target, second).centroid, target[[attachments[1]]]])
+    return interpolate(source, nodes, moved - nodes, STALK_NEIGHBORS)

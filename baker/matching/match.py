@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from itertools import pairwise
 
 from baker.matching.hierarchical import Distance, Points, match_hierarchies
 from baker.segmentation.hierarchy import Hierarchy
@@ -75,24 +75,23 @@ def match_series(
     Section 3.3 of the paper.
     """
     matches: list[Match] = []
-    sizes = [len(hierarchy.segments) for hierarchy in hierarchies[1:]]
-    report_progress(0, sum(sizes))
-    for k, following in enumerate(hierarchies[1:]):
-        current = matches[-1].second if matches else hierarchies[0]
+    done, total = 0, sum(len(hierarchy.segments) for hierarchy in hierarchies[1:])
+
+    def report(matched: int) -> None:
+        report_progress(done + matched, total)
+
+    report(0)
+    first = hierarchies[0]
+    for points, second in zip(pairwise(clouds), hierarchies[1:], strict=True):
         if by_label:
-            matches.append(match_by_label(current, following))
+            matches.append(match_by_label(first, second))
         else:
-            report = partial(_report, report_progress, sum(sizes[:k]), sum(sizes))
-            merged, pairs = match_hierarchies(
-                (clouds[k], clouds[k + 1]), (current, following), distance, report
-            )
-            matches.append(match_from_pairs(current, merged, pairs))
-        report_progress(sum(sizes[: k + 1]), sum(sizes))
+            merged, pairs = match_hierarchies(points, (first, second), distance, report)
+            matches.append(match_from_pairs(first, merged, pairs))
+        done += len(second.segments)
+        report(0)
+        first = matches[-1].second
     return matches
-
-
-def _report(report: Callable[[int, int], None], before: int, total: int, matched: int) -> None:
-    report(before + matched, total)
 
 
 @dataclass(frozen=True)
@@ -123,37 +122,24 @@ def follow_organs(matches: Sequence[Match], consistent: bool) -> tuple[list[Orga
         The given ones, with the organs of the segments in their hierarchies.
     """
     organs: list[Organ] = []
-    by_label: dict[int | None, int] | None = {} if consistent else None
-    first = _assign_organs(matches[0].first, {}, 0, organs, by_label)
-    followed = []
-    for k, match in enumerate(matches, start=1):
+    by_label: dict[int | None, int] = {}
+
+    def with_organs(hierarchy: Hierarchy, scan: int, assigned: dict[int, int]) -> Hierarchy:
+        """Assign organs to the other segments: by their labels if consistent, else new ones."""
+        for segment in hierarchy.from_the_root():
+            label, parent = hierarchy.labels[segment], hierarchy.parents[segment]
+            organ = assigned.get(segment, by_label.get(label) if consistent else None)
+            if organ is None:
+                organ = len(organs)
+                organs.append(Organ(label, assigned.get(parent), scan, scan))
+            organs[organ] = replace(organs[organ], last=scan)
+            assigned[segment] = by_label[label] = organ
+        return replace(hierarchy, organs=tuple(assigned[s] for s in range(len(hierarchy.segments))))
+
+    first, followed = with_organs(matches[0].first, 0, {}), []
+    for scan, match in enumerate(matches, start=1):
         matched = {b: first.organs[a] for a, b in match.pairs}
-        second = _assign_organs(match.second, matched, k, organs, by_label)
+        second = with_organs(match.second, scan, matched)
         followed.append(replace(match, first=first, second=second))
         first = second
     return organs, followed
-
-
-def _assign_organs(
-    hierarchy: Hierarchy,
-    matched: dict[int, int],
-    scan: int,
-    organs: list[Organ],
-    by_label: dict[int | None, int] | None,
-) -> Hierarchy:
-    """Assign an organ to each segment: by its match, else by its label, else a new one.
-
-    New organs are appended to `organs`, and `by_label` is updated.
-    """
-    assigned = dict(matched)
-    for segment in hierarchy.from_the_root():
-        label = hierarchy.labels[segment]
-        if segment not in assigned and by_label is not None and label in by_label:
-            assigned[segment] = by_label[label]
-        if segment not in assigned:
-            assigned[segment] = len(organs)
-            organs.append(Organ(label, assigned.get(hierarchy.parents[segment]), scan, scan))
-        if by_label is not None:
-            by_label[label] = assigned[segment]
-        organs[assigned[segment]] = replace(organs[assigned[segment]], last=scan)
-    return replace(hierarchy, organs=tuple(assigned[s] for s in range(len(hierarchy.segments))))

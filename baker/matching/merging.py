@@ -31,19 +31,8 @@ def merge_parts(
 ) -> list[Tracks]:
     """Merge the organs of a scan that are one organ in the previous or next scan.
 
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    tracks : sequence of (N,) int64 ndarray
-        The track number of each point.
-    kept : collection of int
-        Organs that are never merged into another one.
-
-    Returns
-    -------
-    list of (N,) int64 ndarray
-        The track number of each point; there are no new numbers.
+    clouds: (N, 3) aligned scans. tracks: (N,) track number of each point. kept: organs that are
+    never merged into another one. Returns tracks without new numbers.
 
     References
     ----------

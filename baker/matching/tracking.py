@@ -33,26 +33,17 @@ def track_organs(
 ) -> list[NDArray[np.int64]]:
     """Track the organs of a series by their shapes.
 
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    hierarchies : sequence of Hierarchy
-    root_points : sequence of int
-        Index of the point at the plant base, for each scan.
-    stem : bool
-        Whether the organ there is known to be the stem of all others.
-    corrections : sequence of PointCorrection
-        Constraints: "same" of successive scans, and "different".
+    clouds: (N, 3) aligned scans. hierarchies: only a virtual root, the last segment, has no points.
+    root_points: index of the point at the plant base in each scan.
+    stem: whether the organ there is known to be the stem of all others. corrections: "same" ones of
+    successive scans, and "different" ones, are constraints.
 
-    Returns
-    -------
-    list of (N,) int64
-        The track number of each point. Tracks are numbered by first appearance, those that appear
-        in one scan by their distance from the plant base.
+    Returns the (N,) track number of each point. Tracks are numbered by first appearance, those that
+    appear in one scan by their distance from the plant base.
     """
     scans = zip(clouds, hierarchies, root_points, strict=True)
     organs = [describe_organs(*scan, stem=stem) for scan in scans]
+    organ_of = [hierarchy.numbers() for hierarchy in hierarchies]  # of each point
     distances = [np.linalg.norm(each.attachments - each.base, axis=1) for each in organs]
     motions = plant_motions(organs, len(GAP_FACTORS))
     moved = {(k, later): organs[k].transformed(motions[k, later]) for k, later in motions}
@@ -66,27 +57,16 @@ def track_organs(
         for each in corrections:
             same, (k, later) = each.kind == "same", each.scans
             if (k, later) in scores and (later == k + 1 or not same):
-                pair = tuple(_organ_of(hierarchies[scan], point) for scan, point in each.places)
+                pair = tuple(organ_of[scan][point] for scan, point in each.places)
                 scores[k, later][pair] = CERTAIN if same else -np.inf
         numbers = chain_organs(distances, scores)
-    tracks = []
-    for of_organs, hierarchy in zip(numbers, hierarchies, strict=True):
-        sizes = [len(segment) for segment in hierarchy.segments if len(segment)]
-        track = np.empty(sum(sizes), np.int64)
-        track[np.concatenate(hierarchy.segments)] = np.repeat(of_organs, sizes)
-        tracks.append(track)
-    return tracks
+    return [of_scan[each] for of_scan, each in zip(numbers, organ_of, strict=True)]
 
 
 def _linked(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> NDArray[np.intp]:
     """(p, 2) the pairs of organs of two scans that have the same track number."""
     _, first, second = np.intersect1d(numbers[k], numbers[later], return_indices=True)
     return np.column_stack([first, second])
-
-
-def _organ_of(hierarchy: Hierarchy, point: int) -> int:
-    """The index, among the organs that have points, of the organ of a point."""
-    return next(i for i, members in enumerate(filter(len, hierarchy.segments)) if point in members)
 
 
 def chain_organs(

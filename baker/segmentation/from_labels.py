@@ -79,11 +79,8 @@ def coarse_hierarchies(
 
     Parameters
     ----------
-    clouds : sequence of (N, 3) float ndarray
-    labels : sequence of (N,) int ndarray
-        The organ of each point; labels need not be consistent.
-    bases : sequence of int
-        Index of the point at the plant base, for each scan.
+    clouds, labels, bases : sequences
+        For each scan: (N, 3) points, (N,) organs, the point at the plant base.
 
     Returns
     -------
@@ -140,8 +137,8 @@ def hierarchy_from_labels(
     for (child, parent), rank in ranks.items():
         if child in number and parent in number:
             edges[parent].append((rank, child, parent))
-    parents, notes = {root_label: root_label}, []
-    frontier = sorted(edges[root_label])
+    parents, notes = dict[int, int](), []
+    frontier = [((False, 0.0), root_label, root_label)]
     while frontier:
         _, child, parent = heappop(frontier)
         if child in parents:
@@ -149,8 +146,7 @@ def hierarchy_from_labels(
         parents[child] = parent
         for edge in edges[child]:
             heappush(frontier, edge)
-        gap = gaps.get((child, parent), 0.0)
-        if gap > MAX_GAP:
+        if (gap := gaps.get((child, parent), 0.0)) > MAX_GAP:
             notes.append(
                 f"segment {child} touches no other one; it was hung on segment {parent} "
                 f"across a gap of {gap:.3g} point spacings"

@@ -28,10 +28,8 @@ def segment_organs(
 
     Parameters
     ----------
-    clouds : sequence of (N, 3) float
-        Aligned scans.
-    bases : sequence of int
-        Index of the point at the plant base, for each scan.
+    clouds, bases : sequences
+        For each aligned scan: (N, 3) points, the index of the one at the plant base.
     map : map-like callable
         Maps over the scans.
 
@@ -55,13 +53,11 @@ def segment_organs(
 
 def _prepare(
     cloud: NDArray[np.floating], base: int
-) -> tuple[PlantSample, ReebTree | None, NDArray[np.float64]]:
+) -> tuple[PlantSample, ReebTree | None, NDArray[np.float64] | float]:
     """The sample, Reeb tree and blade scores of a scan; no tree if the scan is too small."""
     sample = sample_plant(cloud, base)
-    if sample.diameter == 0.0:
-        return sample, None, np.zeros(0)
-    tree = reeb_tree(sample)
-    return sample, tree, blade_scores(sample, tree)
+    tree = reeb_tree(sample) if sample.diameter > 0.0 else None
+    return sample, tree, 0.0 if tree is None else blade_scores(sample, tree)
 
 
 def _scores_from_next(

@@ -5,8 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from baker.transport.problem import uniform_masses
-from baker.transport.space_partition import bisection_plan
+from baker.transport.solve import solve
 
 
 def compile_kernels(
@@ -39,7 +38,7 @@ def compile_kernels(
         def on_end(self, event: Any) -> None: ...
 
     with install_listener("numba:compile", FirstCompilation()):
-        _solve_smallest()
+        solve(np.eye(3), np.eye(3))
     if compiled:
         report_progress(1, 1)
     if network_simplex.stats.cache_path is None:  # type: ignore[attr-defined]
@@ -49,16 +48,6 @@ def compile_kernels(
             "NUMBA_CACHE_DIR may name another folder."
         )
     return None
-
-
-def _solve_smallest() -> None:
-    """Solve a problem of two clouds of four points, with the types of arrays as in a bake."""
-    from baker.transport.network_simplex import improve_cells
-
-    points = np.random.default_rng(0).random((4, 3))
-    edges, mass = bisection_plan(points, points[::-1], *uniform_masses(4, 4), seed=0)
-    near = np.zeros((4, 1), np.int64), np.zeros((4, 1), np.int64)
-    improve_cells(points, points, near, edges, mass, np.array([0, len(mass)]), 2, True)
 
 
 if __name__ == "__main__":

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.matching.leaflets import LeafletPair
-from baker.transport.problem import Indices, Plan, Points, TransportOptions, costs
+from baker.transport.problem import Indices, Plan, Points, TransportOptions, balance, costs
 from baker.transport.solve import solve
-from baker.transport.support import balance
 
 
 @dataclass(frozen=True)
@@ -72,9 +71,8 @@ def largest_entries(plan: Plan, n: int, m: int) -> tuple[NDArray[np.int32], NDAr
 
     Of equal entries the first one is the maximum. n, m: numbers of rows and columns.
     """
-    sides = (plan.rows, n), (plan.columns, m)
     chosen = np.zeros(len(plan.mass), bool)
-    for side, count in sides:
+    for side, count in ((plan.rows, n), (plan.columns, m)):
         chosen[_maxima(side, plan.mass, count)] = True
     return plan.rows[chosen], plan.columns[chosen]
 

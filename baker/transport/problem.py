@@ -1,4 +1,4 @@
-"""The transport problem of two segments: options, masses, costs and plans."""
+"""The transport problem of two segments: options, costs, masses and plans."""
 
 import math
 from collections.abc import Sequence
@@ -23,6 +23,8 @@ NEIGHBORS = 10  # to the distance of this neighbour, points of the other cloud a
 MIN_SHARE = 0.02  # of a uniform mass, so that every point is transported
 MAX_SAMPLE = 250  # points of a cloud whose masses are computed; others along the curve share them
 TOTAL_MASS = 10**9  # integer units
+RIDGE = 1e-4  # of `balance`: share of the mean variance added to each axis of a covariance
+TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
@@ -51,7 +53,7 @@ class Plan:
     cost: float  # sum of mass times distance ** power
     distance: float  # cost ** (1 / power): the Wasserstein distance in the points' unit
     marginal_error: float  # L1 error of the row sums plus that of the column sums
-    solver: str  # "network simplex", "sinkhorn", or "only choice"
+    solver: str  # "network simplex" or "sinkhorn"
     notes: tuple[str, ...] = ()  # for the report, one sentence each
 
 
@@ -62,10 +64,41 @@ def costs(start: Points, end: Points, edges: Edges, power: int) -> NDArray[np.fl
     """
     displacement = start.take(edges[0], axis=0).astype(np.float64, copy=False)
     displacement -= end.take(edges[1], axis=0)
-    squared = np.zeros(len(displacement))
-    for axis in displacement.T:
-        squared += axis**2
+    squared = np.einsum("ij,ij->i", displacement, displacement)
     return squared if power == 2 else np.sqrt(squared)
+
+
+def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Center both clouds and map them linearly so that their covariances agree.
+
+    The optimal plan does not change: it maximises the sum of <p, q>, and <p, q> = <A p, A^-T q> for
+    every invertible A. Let S be the optimal map between Gaussians with the moments of the clouds,
+    S Cov(p) S = Cov(q). Then A = S^1/2 removes translation, growth and stretching from the cost.
+
+    References
+    ----------
+    M. Gelbrich: On a formula for the L2 Wasserstein metric between measures on Euclidean and
+    Hilbert spaces, Math. Nachr. 147 (1990).
+    """
+    p = np.asarray(start, np.float64) - np.mean(start, axis=0, dtype=np.float64)
+    q = np.asarray(end, np.float64) - np.mean(end, axis=0, dtype=np.float64)
+    source, target = p.T @ p / len(p), q.T @ q / len(q)
+    if np.trace(source) == 0 or np.trace(target) == 0:
+        return p, q
+    source += RIDGE * np.trace(source) / 3 * np.eye(3)
+    target += RIDGE * np.trace(target) / 3 * np.eye(3)
+    root, inverse = _matrix_powers(source, 0.5, -0.5)
+    gauss_map = inverse @ _matrix_powers(root @ target @ root, 0.5)[0] @ inverse
+    root, inverse = _matrix_powers(gauss_map, 0.5, -0.5)
+    return p @ root, q @ inverse
+
+
+def _matrix_powers(matrix: NDArray[np.float64], *exponents: float) -> list[NDArray[np.float64]]:
+    values, vectors = np.linalg.eigh((matrix + matrix.T) / 2)
+    return [
+        (vectors * np.maximum(values, TINY if exponent < 0 else 0.0) ** exponent) @ vectors.T
+        for exponent in exponents
+    ]
 
 
 def make_plan(

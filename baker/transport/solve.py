@@ -7,14 +7,14 @@ from baker.transport.problem import (
     Plan,
     Points,
     TransportOptions,
+    balance,
     costs,
     make_plan,
     shared_masses,
     uniform_masses,
 )
 from baker.transport.sinkhorn import regularized_plan
-from baker.transport.space_partition import cut
-from baker.transport.support import balance, explained_cost
+from baker.transport.space_partition import bisection_order, blocks
 
 
 def solve(start: Points, end: Points, options: TransportOptions | None = None) -> Plan:
@@ -56,8 +56,9 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
     if options.power == 2 and min(n, m) > MAX_POINTS_PRICED_AT_ONCE:
         source, target = balance(start, end)
     masses = shared_masses(start, end) if options.shared else uniform_masses(n, m)
-    edges, mass, solver = couple(source, target, *masses, options)
-    return make_plan(start, end, edges, mass / mass.sum(), options.power, solver, masses=masses)
+    edges, mass = couple(source, target, *masses, options)
+    flow = mass / mass.sum()
+    return make_plan(start, end, edges, flow, options.power, "network simplex", masses=masses)
 
 
 def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0) -> float:
@@ -71,9 +72,8 @@ def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0
     Parameters
     ----------
     start, end : (n, 3) and (m, 3) float ndarray
-    samples : int
-    seed : int
-        Of the directions of bisections.
+    samples, seed : int
+        Number of blocks, and the seed of the directions of bisections.
 
     Returns
     -------
@@ -86,9 +86,21 @@ def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0
         return solve(start, end, options).distance
     source, target = balance(start, end)
     gaussian_cost = explained_cost(start, end, source, target)
-    rows, columns = (cut(cloud, samples, seed) for cloud in (source, target))
-    supply, demand = uniform_masses(len(start), len(end))
-    centres = rows.centroids(source), columns.centroids(target)
-    edges, mass, _ = couple(*centres, rows.masses(supply), columns.masses(demand), options)
-    remaining_cost = float(mass @ costs(*centres, edges, options.power)) / float(supply.sum())
+    sides = []
+    for cloud, mass in zip((source, target), uniform_masses(len(start), len(end)), strict=True):
+        order = bisection_order(cloud, seed)[0]
+        sides.append(blocks(cloud[order], mass, samples))
+    (rows, supply), (columns, demand) = sides
+    edges, mass = couple(rows, columns, supply, demand, options)
+    remaining_cost = float(mass @ costs(rows, columns, edges, options.power) / supply.sum())
     return max(gaussian_cost + remaining_cost, 0.0) ** 0.5
+
+
+def explained_cost(
+    start: Points, end: Points, balanced_start: Points, balanced_end: Points
+) -> float:
+    """The part of the squared-distance cost that `balance` removes, which all plans have."""
+    shift = end.mean(axis=0) - start.mean(axis=0)
+    before = start.var(axis=0).sum() + end.var(axis=0).sum()
+    left = balanced_start.var(axis=0).sum() + balanced_end.var(axis=0).sum()
+    return float(shift @ shift + before - left)

@@ -1,7 +1,6 @@
-"""Recursive bisection of clouds into blocks, and refinement of plans from blocks to points."""
+"""Recursive bisection of clouds, and refinement of plans from blocks of points to points."""
 
 from functools import cache
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,43 +8,15 @@ from numpy.typing import NDArray
 from baker.transport.problem import Edges, Indices, Masses, Points
 
 
-class Blocks(NamedTuple):
-    """A partition of a cloud into compact blocks, whose numbers of points differ by at most one."""
-
-    order: Indices  # (n,) indices of the points, block after block
-    first: Indices  # (blocks,) index in `order` of the first point of each block
-
-    def masses(self, masses: Masses) -> Masses:
-        """(blocks,) int64, the sum of the points' masses in each block."""
-        return np.add.reduceat(masses[self.order], self.first)
-
-    def centroids(self, points: Points) -> NDArray[np.float64]:
-        """(blocks, 3) float64, the mean of the points of each block."""
-        sizes = np.diff(self.first, append=len(self.order))
-        return np.add.reduceat(points[self.order], self.first) / sizes[:, None]
-
-
 def bisection_order(
     points: Points, seed: int, axes: Indices | None = None
 ) -> tuple[Indices, Indices]:
     """Sort a cloud by recursive bisection, so that neighbours in space are near in the order.
 
-    Every part is bisected across its longest extent, in a randomly rotated frame.
-
-    Parameters
-    ----------
-    points : (n, 3) float
-    seed : int
-        Of the rotation.
-    axes : (a,) int, optional
-        Those of another cloud of at least n points; the orders of two similar clouds with the same
-        axes correspond.
-
-    Returns
-    -------
-    order : (n,) int64
-    axes : (a,) int64
-        Part p of a level of 2 ** level parts is bisected along ``axes[2 ** level + p]``.
+    Every part is bisected across its longest extent, in a frame that is rotated at random, by the
+    seed; or along the `axes` of another cloud of at least as many points, so that the orders of
+    similar clouds correspond. Part p of a level of 2 ** level parts is bisected along
+    ``axes[2 ** level + p]``.
     """
     from baker.transport.bisection import bisect
 
@@ -63,43 +34,36 @@ def random_rotation(seed: int) -> NDArray[np.float64]:
     return np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0]
 
 
-def cut(points: Points, count: int, seed: int) -> Blocks:
-    """Divide a cloud into `count` blocks by bisection in a frame given by the seed."""
-    n = len(points)
-    count = min(count, n)
-    return Blocks(bisection_order(points, seed)[0], np.arange(count) * n // count)
+def blocks(points: Points, masses: Masses, count: int) -> tuple[NDArray[np.float64], Masses]:
+    """The centroids and masses of `count` blocks of successive points, at most one a point.
 
-
-def refine_plan(
-    rows: Blocks, columns: Blocks, supply: Masses, demand: Masses, edges: Edges, mass: Masses
-) -> tuple[Edges, Masses]:
-    """Refine a feasible plan between blocks to a feasible plan between points.
-
-    The mass of each pair of blocks is distributed by the north-west corner rule, in the order of
-    the blocks. With a single block on each side this is the bisection coupling (BSP-OT, Genest et
-    al. 2025). Integer masses make the plan feasible for any sizes; it has at most n + m more pairs
-    than the plan between blocks.
-
-    Parameters
-    ----------
-    rows, columns : Blocks
-        Of n and m points.
-    supply, demand : (n,) and (m,) int64
-        Masses of the points.
-    edges, mass : Edges, (E,) int64
-        The plan between blocks.
-
-    Returns
-    -------
-    edges, mass : Edges, (F,) int64
-        Sorted by row, then column, in the order of the blocks.
+    The numbers of points in blocks differ by at most one. Where a count divides another one, the
+    smaller blocks are nested in the larger ones.
     """
-    by_row = np.argsort(edges[0] * len(columns.first) + edges[1], kind="stable")
+    n = len(points)
+    if count >= n:
+        return np.asarray(points, np.float64), masses
+    first = -(-np.arange(count) * n // count)
+    sizes = np.diff(first, append=n)
+    return np.add.reduceat(points, first) / sizes[:, None], np.add.reduceat(masses, first)
+
+
+def refine_plan(supply: Masses, demand: Masses, edges: Edges, mass: Masses) -> tuple[Edges, Masses]:
+    """Refine a feasible plan between blocks of successive points to one between the points.
+
+    The mass of each pair of blocks is distributed by the north-west corner rule. With a single
+    block on each side this is the bisection coupling (BSP-OT, Genest et al. 2025). Integer masses
+    make the plan feasible for any sizes; it has at most n + m more pairs.
+
+    supply, demand: (n,) and (m,) masses of the points. edges, mass: (E,) the plan between blocks.
+    The returned (F,) pairs are sorted by row, then column.
+    """
+    by_row = np.lexsort((edges[1], edges[0]))
     block, mass = edges[1][by_row], mass[by_row]
     by_column = np.argsort(block, kind="stable")
     # Cumulative masses: at the ends of rows and columns, and at the starts of the pairs of blocks,
     # sorted by row (`begin`) and by column (`sorted_begin`).
-    row_ends, column_ends = np.cumsum(supply[rows.order]), np.cumsum(demand[columns.order])
+    row_ends, column_ends = np.cumsum(supply), np.cumsum(demand)
     begin, sorted_begin = np.cumsum(mass) - mass, np.cumsum(mass[by_column]) - mass[by_column]
     shift = np.empty_like(begin)
     shift[by_column] = sorted_begin - begin[by_column]
@@ -110,8 +74,7 @@ def refine_plan(
     begins, handed = begins[handed > 0], handed[handed > 0]
     pair = np.searchsorted(begin, begins, "right") - 1
     i = np.searchsorted(row_ends, begins, "right")
-    j = np.searchsorted(column_ends, begins + shift[pair], "right")
-    return (rows.order[i], columns.order[j]), handed
+    return (i, np.searchsorted(column_ends, begins + shift[pair], "right")), handed
 
 
 def bisection_plan(
@@ -121,10 +84,9 @@ def bisection_plan(
     if len(start) < len(end):
         (columns, rows), mass = bisection_plan(end, start, demand, supply, seed)
         return (rows, columns), mass
-    row_order, axes = bisection_order(start, seed)
-    column_order, _ = bisection_order(end, seed, axes)
+    row, axes = bisection_order(start, seed)
+    column, _ = bisection_order(end, seed, axes)
     whole = np.zeros(1, np.int64)
-    return refine_plan(
-        Blocks(row_order, whole), Blocks(column_order, whole),
-        supply, demand, (whole, whole), np.array([supply.sum()]),
-    )  # fmt: skip
+    masses = supply[row], demand[column]
+    edges, mass = refine_plan(*masses, (whole, whole), np.array([supply.sum()]))
+    return (row[edges[0]], column[edges[1]]), mass

@@ -6,8 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.matching import Match
-from baker.segmentation.hierarchy import NO_PARENT
+from baker.matching.match import Match
 from baker.transport.problem import Points
 
 # Number of points from which a new organ unfolds (docs/method.md, row 16).
@@ -52,27 +51,22 @@ def interval_tasks(
         Each point of the first scan is in the start of one match or loss, each point of the second
         in the end of one task.
     """
-    first, second = match.first, match.second
-    tasks = [
-        Task("match", second.organs[b], first.segments[a], second.segments[b])
-        for a, b in match.pairs
-        if len(first.segments[a]) and len(second.segments[b])
-    ]
+    starts, ends = match.first.segments, match.second.segments
     # A stem that is matched with a virtual, empty root is lost, or born.
-    emptied = [a for a, b in match.pairs if not len(second.segments[b])]
-    filled = [b for a, b in match.pairs if not len(first.segments[a])]
+    matched = [(a, b) for a, b in match.pairs if len(starts[a]) and len(ends[b])]
+    born = [*match.births, *(b for a, b in match.pairs if not len(starts[a]))]
+    lost = [*match.losses, *(a for a, b in match.pairs if not len(ends[b]))]
+    tasks = [Task("match", match.second.organs[b], starts[a], ends[b]) for a, b in matched]
     attachments: dict[tuple[int | None, int], NDArray[np.intp]] = {}
-    for segment in (*match.births, *filled):
-        if not len(second.segments[segment]):
-            continue
-        key = _attachment(match, segment)
-        if key not in attachments:
-            attachments[key] = _attachment_points(points, match, *key, attachment_points, paper)
-        members = second.segments[segment]
-        tasks.append(Task("birth", second.organs[segment], attachments[key], members))
-    empty = np.empty(0, np.intp)
-    lost = (*match.losses, *emptied)
-    tasks += [Task("loss", first.organs[s], first.segments[s], empty) for s in lost]
+    for segment in born:
+        if len(ends[segment]):
+            key = _attachment(match, segment)
+            if key not in attachments:
+                attachments[key] = _attachment_points(points, match, *key, attachment_points, paper)
+            organ = match.second.organs[segment]
+            tasks.append(Task("birth", organ, attachments[key], ends[segment]))
+    nothing = np.empty(0, np.intp)
+    tasks += [Task("loss", match.first.organs[a], starts[a], nothing) for a in lost]
     return tuple(task for task in tasks if len(task.start) or len(task.end))
 
 
@@ -82,15 +76,13 @@ def _attachment(match: Match, segment: int) -> tuple[int | None, int]:
     A new subtree grows from its nearest ancestor in the first scan, or from any point of the plant
     (None) if that is a virtual root.
     """
-    first, second = match.first, match.second
-    top = segment
-    ancestor = match.start_of(second.parents[top])
-    while ancestor is None and second.parents[top] != NO_PARENT:
-        top = second.parents[top]
-        ancestor = match.start_of(second.parents[top])
-    if ancestor is not None and not len(first.segments[ancestor]):
-        ancestor = None
-    return ancestor, top if len(second.segments[top]) else segment
+    lineage = [segment, *match.second.ancestors(segment)]
+    starts = [match.start_of(match.second.parents[each]) for each in lineage]
+    depth = next((k for k, start in enumerate(starts) if start is not None), -1)
+    start, top = starts[depth], lineage[depth]
+    if start is not None and not len(match.first.segments[start]):
+        start = None
+    return start, top if len(match.second.segments[top]) else segment
 
 
 def _attachment_points(

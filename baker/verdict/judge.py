@@ -6,7 +6,7 @@ from itertools import chain
 
 from baker.geometry.parallel import MapLike
 from baker.interpolation.interval_job import IntervalJob
-from baker.matching import LabelUse
+from baker.matching.labels import LabelUse
 from baker.verdict.doubt import verdict_provenance
 from baker.verdict.identity import doubtful_identities
 from baker.verdict.motion import doubtful_motions

@@ -12,7 +12,7 @@ from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.surface import covariances, point_area
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
-from baker.interpolation.movers import OrganMovers, mid_area
+from baker.interpolation.movers import mid_area
 from baker.interpolation.organ_motion import fit_motion
 from baker.interpolation.organ_shapes import OrganShape
 from baker.interpolation.resampling import (
@@ -138,7 +138,7 @@ def test_even_density_of_organs_without_area(start, end, count):
     area = point_area(covariances(here, neighbors), neighbors)
     shared = mid_area(area[points], points, np.zeros(len(points)), points)
     for known, growth in itertools.product((shared, np.zeros(len(points))), (0.0, 1.0, 10.0)):
-        (filled,) = with_even_density([OrganMovers(movers, None, known, points, points)], growth)
+        filled = with_even_density(movers, known, points, points, growth)
         assert len(points) <= len(filled) <= (1 + growth) * len(points) + 1
         assert np.isfinite(position_at(filled.curve, 0.5)).all()
         assert known is shared or len(filled) == len(points)
@@ -150,8 +150,7 @@ def test_no_area_is_too_odd_to_be_even():
     movers = Movers(Motion.MOVE, (at, at), np.zeros(1, int))
     only = np.zeros(1, int)
     for area in (49.0, 1e-300, 1e300, 0.0):
-        moved = OrganMovers(movers, None, np.array([area]), only, only)
-        assert len(with_even_density([moved], 0.0)[0]) == 1
+        assert len(with_even_density(movers, np.array([area]), only, only, 0.0)) == 1
 
 
 def organ(points: np.ndarray) -> OrganShape:

@@ -60,7 +60,7 @@ def test_the_paper_registers_no_organs(write_scans, options, registered):
     searched = []
 
     def solve(jobs, report_progress, threads):
-        searched.extend(job.options.registered for job in jobs)
+        searched.extend(job.is_registered for job in jobs)
         return solve_intervals(jobs, report_progress, threads)
 
     bake_recorded([write_scans()], options, solve=solve)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from baker.interpolation.organ_shapes import organ_attachments
-from baker.matching import Match
+from baker.matching.match import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 STEM, LEAF = 400, 300

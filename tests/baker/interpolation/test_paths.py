@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from baker.interpolation.movers import OrganMovers, deviation_of, with_deviations
+from baker.alignment.keyframes import Keyframe
+from baker.interpolation.movers import OrganPaths, carried_deviations, moving
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import organ_shapes
-from baker.matching import Match
+from baker.matching.match import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
-from gclip import Motion, SegmentPair
+from baker.transport.correspondences import Correspondences
+from baker.transport.tasks import Task
 from gclip.pack import Movers
 from tests.baker.interpolation.shapes import leaf, sample
 
@@ -39,58 +41,53 @@ def leaf_motion(clouds: list[np.ndarray], match: Match) -> OrganMotion:
 
 
 @pytest.fixture(scope="module")
-def baked() -> tuple[list[np.ndarray], Match, list[OrganMovers], list[OrganMovers]]:
+def baked() -> tuple[np.ndarray, list[np.ndarray], Movers]:
+    """The first scan, the points of each organ in it, and the movers of all."""
     clouds = [plant(0.0), np.concatenate([plant(1.0), plant(1.0)[-100:] + 1.0])]
     segments = tuple(np.split(np.arange(2 * COUNT + 200), [COUNT, 2 * COUNT, 2 * COUNT + 100]))
     first = Hierarchy(segments[:3], (0, 1, 2), PARENTS[:3], 0, organs=(0, 1, 2))
     second = Hierarchy(segments, (0, 1, 2, 3), PARENTS, 0, organs=(0, 1, 2, 3))
     match = Match(first, second, ((0, 0), (1, 1), (2, 2)), (3,), ())
-    tasks = []
-    for organ, members in enumerate(segments):
-        a = segments[2] if organ == 3 else members
-        movers = Movers(Motion.MOVE, (clouds[0][a], clouds[1][members]), np.full(len(a), organ))
-        pair = SegmentPair(organ, "match", len(a), len(members), len(a))
-        tasks.append(OrganMovers(movers, pair, None, a, members))
-    motion, origin = leaf_motion(clouds, match), tasks[1].movers.curve[0]
-    deviation = deviation_of(1, motion, origin, clouds[1], match.second)
-    bent = [tasks[0], replace(tasks[1], deviation=deviation), *tasks[2:]]
-    return clouds, match, tasks, with_deviations(bent, match.second)
+    motion = leaf_motion(clouds, match)
+    starts, organs = [*segments[:3], segments[2]], []
+    for organ, (start, end) in enumerate(zip(starts, segments, strict=True)):
+        task = Task("birth" if organ == 3 else "match", organ, start, end)
+        index = np.arange(len(start))
+        organs.append(OrganPaths(task, Correspondences(index, index, 0.0, 0.0, "")))
+    carried = carried_deviations(1, motion, clouds[1], match.second)
+    deviation = motion.deviation(clouds[0][starts[1]])
+    organs[1] = replace(organs[1], deviation=deviation, carried=carried)
+    frames = (Keyframe(cloud, None) for cloud in clouds)
+    return clouds[0], starts, moving(organs, *frames, match.second, 1.0)
 
 
-def middle(moved: OrganMovers) -> np.ndarray:
-    start, control, end = moved.movers.curve
-    return start / 4 + control / 2 + end / 4
-
-
-def chord(moved: OrganMovers) -> np.ndarray:
-    return (moved.movers.curve[0] + moved.movers.curve[-1]) / 2
+def deviation_of(movers: Movers, organ: int) -> np.ndarray:
+    start, control, end = (points[movers.tracks == organ] for points in movers.curve)
+    return start / 4 + control / 2 + end / 4 - (start + end) / 2
 
 
 def test_the_stem_stands(baked: tuple) -> None:
-    _, _, before, after = baked
-    assert after[0] is before[0]
+    *_, movers = baked
+    np.testing.assert_allclose(deviation_of(movers, 0), 0.0, atol=1e-4)
 
 
 def test_curves_keep_their_ends(baked: tuple) -> None:
-    _, _, before, after = baked
-    for one, two in zip(before, after, strict=True):
-        np.testing.assert_array_equal(one.movers.curve[0], two.movers.curve[0])
-        np.testing.assert_array_equal(one.movers.curve[-1], two.movers.curve[-1])
+    cloud, starts, movers = baked
+    np.testing.assert_array_equal(movers.curve[0], cloud[np.concatenate(starts)])
 
 
 def test_the_leaf_deviates_from_its_base_on(baked: tuple) -> None:
-    clouds, _, _, after = baked
-    out = np.linalg.norm(middle(after[1]) - chord(after[1]), axis=1)
-    base = np.linalg.norm(clouds[0][after[1].start_points], axis=1)
+    cloud, starts, movers = baked
+    out = np.linalg.norm(deviation_of(movers, 1), axis=1)
+    base = np.linalg.norm(cloud[starts[1]], axis=1)
     assert out[base < 5].max() < 1.0
     assert out[base > 55].min() > 3.0
 
 
 def test_what_the_leaf_bears_is_carried_along(baked: tuple) -> None:
-    clouds, _, _, after = baked
-    start = clouds[0][after[1].start_points]
-    tip = np.argmax(np.linalg.norm(start, axis=1))
-    leafs = (middle(after[1]) - chord(after[1]))[tip]
-    for moved in after[2:]:
-        shift = (middle(moved) - chord(moved)).mean(axis=0)
-        np.testing.assert_allclose(shift, leafs, atol=1.5)
+    cloud, starts, movers = baked
+    tip = np.argmax(np.linalg.norm(cloud[starts[1]], axis=1))
+    of_tip = deviation_of(movers, 1)[tip]
+    for child in (2, 3):
+        shift = deviation_of(movers, child).mean(axis=0)
+        np.testing.assert_allclose(shift, of_tip, atol=1.5)

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from baker import Options, bake
-from baker.interpolation.movers import OrganMovers, mid_area
+from baker.interpolation.movers import mid_area
 from baker.interpolation.resampling import (
     MAX_OVERHANG,
     position_at,
@@ -18,12 +16,10 @@ from gclip import Motion
 from gclip.pack import Movers, elevate_degree
 
 
-def task(start, end, area=1.0, track=0, motion=Motion.MOVE):
-    movers = Movers(motion, (start, end), np.full(len(start), track))
-    if area is None:
-        return OrganMovers(movers, None)
-    points = np.arange(len(start))
-    return OrganMovers(movers, None, np.full(len(start), area), points, points)
+def filled(movers, area, growth, start_points=None, end_points=None):
+    points = np.arange(len(movers))
+    groups = (points if group is None else group for group in (start_points, end_points))
+    return with_even_density(movers, area, *groups, growth)
 
 
 def sheet(count, width, seed=0):
@@ -36,37 +32,33 @@ def stem_and_leaf():
     """A stem that stays, and a leaf as dense as the stem that grows to nine times its length."""
     stem, leaf = sheet(900, 1.0), sheet(300, 1 / 3, seed=1)
     grown = leaf * np.float32([9, 1, 1]) + [2, 0, 0]
-    return [task(stem, stem), task(leaf, grown, 4.0, track=1)]
+    curve = np.concatenate([stem, leaf]), np.concatenate([stem, grown], dtype=np.float32)
+    return Movers(Motion.MOVE, curve, np.repeat([0, 1], [900, 300])), np.repeat(
+        [1.0, 4], [900, 300]
+    )
 
 
 def test_sparse_organs_gain_movers_in_proportion_to_their_area(stem_and_leaf):
-    stem, leaf = with_even_density(stem_and_leaf, growth=2.0)
-    assert len(stem) == 900
-    assert len(leaf) == pytest.approx(1200, abs=2)
+    stem, leaf = np.bincount(filled(*stem_and_leaf, growth=2.0).tracks)
+    assert stem == 900
+    assert leaf == pytest.approx(1200, abs=2)
 
 
 def test_no_more_movers_than_allowed(stem_and_leaf):
-    filled = with_even_density(stem_and_leaf, growth=0.25)
-    assert sum(map(len, filled)) == pytest.approx(1200 + 300, abs=2)
+    assert len(filled(*stem_and_leaf, growth=0.25)) == pytest.approx(1200 + 300, abs=2)
 
 
 def test_added_movers_share_the_ends_of_another_and_leave_it_between(stem_and_leaf):
-    leaf = with_even_density(stem_and_leaf, growth=2.0)[1]
-    start, _, end = leaf.curve
+    movers = filled(*stem_and_leaf, growth=2.0)
+    start, _, end = (points[movers.tracks == 1] for points in movers.curve)
     ends = {(*a, *b) for a, b in zip(start.tolist(), end.tolist(), strict=True)}
     assert len(ends) == 300
-    assert len(np.unique(position_at(leaf.curve, 0.5), axis=0)) == len(leaf)
-
-
-def test_lost_organs_are_left_as_they_are():
-    fallen = task(sheet(50, 1.0), sheet(50, 1.0), area=None, motion=Motion.FALL)
-    assert with_even_density([fallen], growth=1.0) == [fallen.movers]
+    assert len(np.unique(position_at(movers.curve, 0.5), axis=0)) == len(movers)
 
 
 def test_even_movers_stay_as_they_are(stem_and_leaf):
-    even = [replace(one, area=np.ones(len(one.movers))) for one in stem_and_leaf]
-    filled = with_even_density(even, growth=1.0)
-    assert [len(own) for own in filled] == [900, 300]
+    movers, area = stem_and_leaf
+    assert filled(movers, np.ones_like(area), growth=1.0) is movers
 
 
 def test_movers_that_share_a_point_share_its_area():
@@ -81,10 +73,10 @@ def test_movers_of_one_point_spread_out_from_their_mean():
     start = np.zeros((count, 3))
     end = np.column_stack([along, np.zeros((count, 2))])
     movers = Movers(Motion.MOVE, (start, end), np.zeros(count, int))
-    task = OrganMovers(movers, None, np.ones(count), np.zeros(count, int), np.arange(count))
-    (filled,) = with_even_density([replace(task, area=np.r_[np.ones(6), 9 * np.ones(18)])], 1.0)
-    assert len(filled) > count
-    middle = position_at(filled.curve, 0.5)
+    area = np.r_[np.ones(6), 9 * np.ones(18)]
+    more = filled(movers, area, 1.0, start_points=np.zeros(count, int))
+    assert len(more) > count
+    middle = position_at(more.curve, 0.5)
     assert np.abs(middle[:count, 0] - 0.5).max() == 0.5
     assert 0.5 < np.abs(middle[:, 0] - 0.5).max() <= 1.0 + 1e-12
     assert np.abs(middle[:, 1:]).max() == 0.0
@@ -96,11 +88,9 @@ def test_no_addition_runs_far_ahead_of_a_tip():
     end = np.column_stack([np.linspace(0.0, 2.0, count), np.zeros((count, 2))])
     movers = Movers(Motion.MOVE, (np.zeros((count, 3)), end), np.zeros(count, int))
     area = np.r_[np.ones(6), 9 * np.ones(18)]
-    ends = np.zeros(count, int), np.arange(count)
-    task = OrganMovers(movers, None, area / 100, *ends)
-    (filled,) = with_even_density([task], 1.0)
-    assert len(filled) > count
-    assert position_at(filled.curve, 0.5)[:, 0].max() <= 1.0 + MAX_OVERHANG * 0.3 + 1e-12
+    more = filled(movers, area / 100, 1.0, start_points=np.zeros(count, int))
+    assert len(more) > count
+    assert position_at(more.curve, 0.5)[:, 0].max() <= 1.0 + MAX_OVERHANG * 0.3 + 1e-12
 
 
 def test_additions_of_what_is_born_stay_with_it(tmp_path):
@@ -122,7 +112,7 @@ def test_additions_of_what_is_born_stay_with_it(tmp_path):
 
 def test_a_bud_has_no_area():
     whole = mid_area(np.ones(3), np.arange(3), np.ones(3), np.arange(3))
-    born = mid_area(np.ones(3), np.arange(3), np.ones(3), np.arange(3), born=True)
+    born = mid_area(np.zeros(3), np.arange(3), np.ones(3), np.arange(3))
     assert born == pytest.approx(whole / 4)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from baker import Options, bake
 from baker.interpolation.timing import MAX_OFFSET, Timing, organ_timings
-from baker.matching import Match
+from baker.matching.match import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 POINTS = np.random.default_rng(0).random((20, 3))

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import linprog
 from scipy.spatial.distance import cdist
 
-from baker.transport.network_simplex import NODE, _reduced_cost, improve_cells
+from baker.transport.network_simplex import NODE, _reduced_cost, improve_cell
 from baker.transport.problem import uniform_masses
 from baker.transport.space_partition import bisection_plan
 from tests.baker.transport.transport_clouds import leaf
@@ -19,10 +19,9 @@ def optimum(start, end, supply, demand, power):
     return linprog(cost, A_eq=np.vstack([rows, columns]), b_eq=np.concatenate([supply, demand])).fun
 
 
-def improved(start, end, edges, mass, power=2, first=None, exhaustive=True):
-    first = np.array([0, len(mass)]) if first is None else first
+def improved(start, end, edges, mass, power=2):
     alone = tuple(np.arange(len(side))[:, None] for side in (start, end))
-    pairs, mass = improve_cells(start, end, alone, edges, mass, first, power, exhaustive)
+    pairs, mass = improve_cell(start, end, alone, edges, mass, power, exhaustive=True)
     return *pairs, mass
 
 
@@ -74,16 +73,16 @@ def test_many_equal_costs_do_not_run_in_circles():
     assert cost_of(lattice, lattice, *improved(lattice, lattice, backwards, supply)) == 0.0
 
 
-def test_cells_do_not_touch_one_another():
+def test_a_cell_is_solved_as_if_it_were_alone():
     start, end = leaf(40), leaf(40, 1.4, seed=3)
-    rows, columns = np.arange(40), np.random.default_rng(1).permutation(40)
-    mass = np.full(40, 3)
-    together = improved(start, end, (rows, columns), mass, first=np.array([0, 25, 40]))
-    for span in (slice(0, 25), slice(25, 40)):
-        alone = improved(start, end, (rows[span], columns[span]), mass[span])
-        inside = np.isin(together[0], rows[span])
-        for found, expected in zip(together, alone, strict=True):
-            np.testing.assert_array_equal(found[inside], expected)
+    rows, columns = np.arange(25), np.random.default_rng(1).permutation(40)[:25]
+    mass = np.full(25, 3)
+    cell = improved(start, end, (rows, columns), mass)
+    inside = np.sort(columns)
+    edges = rows, np.searchsorted(inside, columns)
+    alone = improved(start[rows], end[inside], edges, mass)
+    for found, expected in zip(cell, (alone[0], inside[alone[1]], alone[2]), strict=True):
+        np.testing.assert_array_equal(found, expected)
 
 
 def test_neighbours_partners_lead_near_the_optimum():
@@ -93,7 +92,7 @@ def test_neighbours_partners_lead_near_the_optimum():
     supply, demand = uniform_masses(150, 210)
     edges, mass = bisection_plan(start, end, supply, demand, 0)
     near = tuple(cKDTree(side).query(side, np.arange(2, 8))[1] for side in (start, end))
-    pairs, mass = improve_cells(start, end, near, edges, mass, np.array([0, len(mass)]), 2, False)
+    pairs, mass = improve_cell(start, end, near, edges, mass, 2, exhaustive=False)
     plan = *pairs, mass
     assert_sums(plan, supply, demand)
     assert cost_of(start, end, *plan) <= optimum(start, end, supply, demand, 2) * 1.001

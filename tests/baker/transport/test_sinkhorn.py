@@ -5,10 +5,9 @@ import pytest
 from scipy.spatial.distance import cdist
 
 from baker.transport.correspondences import largest_entries
-from baker.transport.problem import TransportOptions, costs
-from baker.transport.sinkhorn import scale
+from baker.transport.problem import TransportOptions, balance, costs
+from baker.transport.sinkhorn import nearest, scale
 from baker.transport.solve import solve
-from baker.transport.support import nearest
 from tests.baker.transport.transport_clouds import grown_leaf, leaf
 
 PLAIN = TransportOptions("sinkhorn", power=1, feasible=False)
@@ -32,8 +31,6 @@ def test_equals_pot_on_dense_supports(n, m, gamma):
 
 def test_the_option_reaches_the_same_plan_through_balancing():
     from ot.bregman import sinkhorn_log
-
-    from baker.transport.support import balance
 
     start, end = grown_leaf(20, 28)
     options = TransportOptions(

@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial.distance import cdist
 
 from baker.transport.correspondences import largest_entries
-from baker.transport.problem import Plan, TransportOptions, uniform_masses
-from baker.transport.solve import solve
-from baker.transport.support import balance, explained_cost
+from baker.transport.problem import Plan, TransportOptions, balance, uniform_masses
+from baker.transport.solve import explained_cost, solve
 from tests.baker.transport.transport_clouds import grown_leaf, leaf
 
 

@@ -7,10 +7,9 @@ from hypothesis import strategies as st
 
 from baker.transport.problem import uniform_masses
 from baker.transport.space_partition import (
-    Blocks,
     bisection_order,
     bisection_plan,
-    cut,
+    blocks,
     random_rotation,
     refine_plan,
 )
@@ -61,42 +60,38 @@ def test_one_cloud_twice_is_coupled_with_itself_whatever_the_order():
 
 @settings(deadline=None)
 @given(st.integers(2, 60), st.integers(2, 60), st.integers(1, 9), st.integers(1, 9))
-def test_expanding_a_plan_of_blocks_keeps_it(n, m, blocks_n, blocks_m):
+def test_expanding_a_plan_of_blocks_keeps_it(n, m, rows, columns):
     start, end = grown_leaf(n, m)
     supply, demand = uniform_masses(n, m)
-    rows, columns = cut(start, blocks_n, 0), cut(end, blocks_m, 0)
-    coarse_edges, coarse_mass = bisection_plan(
-        rows.centroids(start),
-        columns.centroids(end),
-        rows.masses(supply),
-        columns.masses(demand),
-        1,
+    (start, coarse_supply), (end, coarse_demand) = (
+        blocks(start, supply, rows),
+        blocks(end, demand, columns),
     )
-    plan = refine_plan(rows, columns, supply, demand, coarse_edges, coarse_mass)
+    edges, mass = bisection_plan(start, end, coarse_supply, coarse_demand, 1)
+    plan = refine_plan(supply, demand, edges, mass)
     assert_feasible(plan, supply, demand)
-    assert (plan[1] > 0).all()
-    row_block, column_block = np.empty(n, int), np.empty(m, int)
-    row_block[rows.order] = np.searchsorted(rows.first, np.arange(n), "right") - 1
-    column_block[columns.order] = np.searchsorted(columns.first, np.arange(m), "right") - 1
-    between = np.zeros((len(rows.first), len(columns.first)), int)
-    np.add.at(between, (row_block[plan[0][0]], column_block[plan[0][1]]), plan[1])
-    expected = np.zeros_like(between)
-    np.add.at(expected, coarse_edges, coarse_mass)
+    between, expected = np.zeros((2, len(start), len(end)), int)
+    row, column = (
+        np.searchsorted(np.cumsum(coarse), np.cumsum(fine) - 1, "right")
+        for coarse, fine in ((coarse_supply, supply), (coarse_demand, demand))
+    )
+    np.add.at(between, (row[plan[0][0]], column[plan[0][1]]), plan[1])
+    np.add.at(expected, edges, mass)
     np.testing.assert_array_equal(between, expected)
 
 
-@pytest.mark.parametrize("count", [1, 7, 64, 500])
-def test_blocks_hold_every_point_once_and_equally_many(count):
-    blocks = cut(leaf(500), count, 3)
-    np.testing.assert_array_equal(np.sort(blocks.order), np.arange(500))
-    assert np.ptp(np.diff(blocks.first, append=500)) <= 1
-
-
-def test_blocks_are_compact():
-    points = leaf(4000)
-    blocks = cut(points, 64, 0)
-    spread = [points[part].std(axis=0).max() for part in np.split(blocks.order, blocks.first[1:])]
-    assert max(spread) < 0.25 * points.std(axis=0).max()
+@pytest.mark.parametrize("count", [1, 7, 64, 500, 900])
+def test_blocks_are_compact_and_hold_equally_many_points(count):
+    points, masses = leaf(500), np.ones(500, int)
+    order = bisection_order(points, 0)[0]
+    np.testing.assert_array_equal(np.sort(order), np.arange(500))
+    centroids, sizes = blocks(points[order], masses, count)
+    assert len(centroids) == min(count, 500)
+    assert np.ptp(sizes) <= 1
+    parts = np.split(points[order], np.cumsum(sizes)[:-1])
+    np.testing.assert_allclose(centroids, [part.mean(axis=0) for part in parts])
+    if count == 64:
+        assert max(part.std(axis=0).max() for part in parts) < 0.25 * points.std(axis=0).max()
 
 
 def halves(points: np.ndarray, part: int, parts: int, members: np.ndarray) -> list[np.ndarray]:
@@ -154,6 +149,5 @@ def test_refining_is_the_north_west_corner_rule(seed):
     # Every block of rows and of columns is two points, one of which may have nothing.
     supply = np.stack([s := coarse.sum(axis=1) // 3, coarse.sum(axis=1) - s], axis=1).ravel()
     demand = np.stack([d := coarse.sum(axis=0) // 2, coarse.sum(axis=0) - d], axis=1).ravel()
-    blocks = [Blocks(np.arange(2 * n), 2 * np.arange(n)) for n in coarse.shape]
-    edges, handed = refine_plan(*blocks, supply, demand, (rows, columns), mass)
+    edges, handed = refine_plan(supply, demand, (rows, columns), mass)
     np.testing.assert_array_equal([*edges, handed], north_west(columns, mass, supply, demand))
