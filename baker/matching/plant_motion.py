@@ -46,12 +46,12 @@ def plant_motion(first: OrganDescriptors, second: OrganDescriptors) -> Floats:
     are penalised, since a plant may look alike from several sides.
     """
     first, second = first.largest(MAX_ORGANS), second.largest(MAX_ORGANS)
-    best, best_score = np.eye(4), best_pairs(match_scores(first, second))[1]
+    best, best_score = np.eye(4), _total_score(first, second)
     for rotation in _candidates(first, second):
         motion = np.eye(4)
         motion[:3, :3], motion[:3, 3] = rotation, second.base - rotation @ first.base
         penalty = float(_penalty(rotation)) * min(len(first), len(second))
-        score = best_pairs(match_scores(first.transformed(motion), second))[1] - penalty
+        score = _total_score(first.transformed(motion), second) - penalty
         if score > best_score:
             best, best_score = motion, score
     return best
@@ -61,6 +61,12 @@ def _penalty(rotations: Floats) -> Floats:
     """(...,) penalty for each organ, of (..., 3, 3) rotations."""
     cosine = (np.trace(rotations, axis1=-2, axis2=-1) - 1.0) / 2.0
     return np.asarray(ROTATION_PENALTY + ANGLE_PENALTY * np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def _total_score(first: OrganDescriptors, second: OrganDescriptors) -> float:
+    """The largest total score of a matching, also if organs are moved like their neighbours."""
+    pairs, total = best_pairs(match_scores(first, second))
+    return max(total, best_pairs(match_scores(first, second, pairs))[1])
 
 
 def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Floats]:
