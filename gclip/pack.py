@@ -107,7 +107,9 @@ def elevate_degree(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArra
 
 def _concatenate(arrays: Sequence[Any]) -> Any:
     """Concatenate arrays; None if one is None."""
-    return None if any(array is None for array in arrays) else np.concatenate(arrays)
+    if any(array is None for array in arrays):
+        return None
+    return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
 
 
 def _packed(points: NDArray[np.floating], box: Box | None, order: NDArray[np.intp]) -> NDArray[Any]:

@@ -57,8 +57,10 @@ def with_even_density(
 
 def position_at(curve: Sequence[Floats], u: float) -> Floats:
     """(N, 3) positions on Bézier curves at the parameter u."""
-    weights = bernstein(len(curve) - 1, u)
-    return np.tensordot(weights, np.stack(curve), axes=1)
+    position = np.zeros(curve[0].shape)
+    for weight, points in zip(bernstein(len(curve) - 1, u), curve, strict=True):
+        position += weight * points
+    return position
 
 
 def _target_density(areas: Floats, growth: float) -> float:
@@ -94,13 +96,14 @@ def _displacements(
     """
     from scipy.spatial import KDTree
 
-    from_start, from_end = (middle - _group_mean(group, middle) for group in groups)
-    length, limit = np.linalg.norm(from_start, axis=1), MAX_OVERHANG * width
+    own = middle[repeated]
+    from_start, from_end = (own - _group_means(g, middle)[g[repeated]] for g in groups)
+    length, limit = np.linalg.norm(from_start, axis=1), MAX_OVERHANG * width[repeated]
     from_start *= np.divide(limit, length, out=np.ones_like(length), where=length > limit)[:, None]
-    shift = (from_start + from_end).take(repeated, axis=0)
+    shift = from_start + from_end
     is_single = ~shift.any(axis=1)
     if is_single.any():
-        own = middle[repeated[is_single]]
+        own = own[is_single]
         ranks = np.arange(2, min(int(repetition[is_single].max()), NEIGHBORS - 1) + 3)
         nearest = KDTree(middle, balanced_tree=False).query(own, k=ranks)[1]
         neighbor = nearest[np.arange(len(nearest)), repetition[is_single] % NEIGHBORS]
@@ -109,10 +112,11 @@ def _displacements(
     return shift / (1 + repetition // np.where(is_single, NEIGHBORS, 1))[:, None]
 
 
-def _group_mean(group: Indices, values: Floats) -> Floats:
-    """(N, 3) mean of `values` over the movers of each mover's group."""
-    sums = np.stack([np.bincount(group, weights).take(group) for weights in values.T], axis=1)
-    return sums / np.bincount(group).take(group)[:, None]
+def _group_means(group: Indices, values: Floats) -> Floats:
+    """(groups, 3) mean of the `values` of each group's movers; NaN for a group without movers."""
+    sums = np.stack([np.bincount(group, weights) for weights in values.T], axis=1)
+    with np.errstate(invalid="ignore"):
+        return sums / np.bincount(group)[:, None]
 
 
 def _choose_repeated(points: Floats, wanted: Floats) -> tuple[Indices, Indices]:
