@@ -17,24 +17,23 @@ from player.view.annotations import Annotations
 from player.view.colors import Colors
 from player.view.style import Style
 
-MOST = 200_000  # frames; more are a slip of the keyboard
+MAX_FRAMES = 200_000  # more are most likely a typing error
 
 
 @dataclass(frozen=True)
 class Format:
-    """One of the kinds of files that a clip can be written as."""
+    """A kind of file that a clip can be exported to."""
 
-    #: a name that asks for it; one with a place for a number asks for files of that name, one a
-    #: moment. `about` says what it is and whom it is for
+    #: the name of an output, whose suffix selects the format; with a place for a number, such as
+    #: %04d, the format is a sequence of files
     example: str
-    about: str
-    #: does it, to a file that takes the name that was asked for when it is whole
+    about: str  #: what the file is, and for which programs
     write: Callable[[Clip, Film, Path, Progress], None]
-    #: what is in it: a picture is drawn, with all that is written into it; points have one colour
-    #: each; a page has colours and a camera; numbers are all that there is in a table
+    #: a picture is drawn, with everything that is written into it; points have one colour each; a
+    #: page has colours and a camera; a table has numbers only
     content: Literal["picture", "points", "page", "numbers"]
-    days: int = 0  #: how many --day it takes: 0, 1, or 2 for any number
-    also: tuple[str, ...] = ()  #: other suffixes that ask for it
+    days: int = 0  #: how many --day the format takes: 0, 1, or 2 for any number
+    also: tuple[str, ...] = ()  #: other suffixes
 
     @property
     def sequence(self) -> bool:
@@ -59,8 +58,8 @@ def export(
     """
     chosen = format_of(path, film, force)
     count = film.frame_count(clip)
-    if count > MOST:
-        raise PlayerError(f"{count} frames would be written; at most {MOST} are.")
+    if count > MAX_FRAMES:
+        raise PlayerError(f"{count} frames would be written; at most {MAX_FRAMES} are.")
     colored = Colors(clip).clip_with_colors(film.style, as_file=chosen.content == "points")
     with atomic_file(path, force, chosen.sequence) as part:
         chosen.write(colored, film, part, progress)
@@ -91,8 +90,10 @@ def film(clip: Clip, path: str | PathLike[str], **choices: Any) -> None:
 
 
 def format_of(path: Path, film: Film, force: bool = True) -> Format:
-    """How to write `path`; refuses here, before any work, what can't come out well, and where it is
-    not to be forced, what would overwrite something.
+    """The format of an output, by its suffix.
+
+    Raises PlayerError if the format can't hold what is asked for, or a file exists and `force` is
+    not given.
     """
     suffix = path.suffix.lower()
     known = [one for one in FORMATS if suffix in one.suffixes]
@@ -115,7 +116,7 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
 
 
 def check_look(film: Film, path: Path, force: bool) -> None:
-    """Refuse what `format_of` refuses, and a look that the format has no room for."""
+    """Raise PlayerError as `format_of` does, and for a style that the format can't hold."""
     content = format_of(path, film, force).content
     if film.annotations != Annotations() and content != "picture":
         raise PlayerError(
