@@ -1,4 +1,4 @@
-"""Remove the ground that a plant stands on (soil or a table) from its scans."""
+"""Remove the ground that a plant stands on (soil, a pot or a table) from its scans."""
 
 from collections.abc import Sequence
 from functools import partial
@@ -6,7 +6,8 @@ from functools import partial
 import numpy as np
 
 from baker.geometry.parallel import MapLike
-from baker.scans.ground_plane import MIN_SCORE, Ground, find_ground
+from baker.scans.ground_plane import MIN_SCORE, Ground, Points, find_plane, upright_sample
+from baker.scans.pot import Pot, find_pot
 from baker.scans.scan import Finding, Scan
 
 DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # candidates for up, the most usual first
@@ -14,7 +15,7 @@ DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # candidates for up, the most us
 # soil of 3 to 300 % of the plant's size, sloped, rough, oblong or in mounds, no scan scores below
 # 0.57. Twenty plants without ground score at most 0.46 in the usual direction, 0.63 upside down.
 MIN_UNUSUAL_SCORE, CERTAIN_SCORE = 0.7, 0.55
-MAX_LAYERS = 3  # grounds that are removed one after the other: a table, then the soil on it
+MAX_LAYERS = 3  # grounds that are removed one after the other: a table, then the pot on it
 MIN_SHARE_OF_LABEL = 0.5  # of a label's points that lie in the ground, if it labels the ground
 MIN_SHARE_OF_GROUND = 0.1  # of the ground's points that have this label
 
@@ -37,7 +38,8 @@ def remove_ground(
             break
         ground_up, directions = direction, (direction,)
         having = [scan.name for scan, ground in zip(scans, grounds, strict=True) if ground]
-        description = f"a plane under the plant in {len(having)} of {len(scans)} scans"
+        kind = "a pot" if any(isinstance(ground, Pot) for ground in grounds) else "a plane"
+        description = f"{kind} under the plant in {len(having)} of {len(scans)} scans"
         if keep:
             findings.append(Finding("ground", f"{description}, kept as asked"))
             break
@@ -52,6 +54,12 @@ def remove_ground(
         description += f"; its {count:,} points are taken out"
         findings.append(Finding("ground", description, doubt, "--ground keep"))
     return remaining, ground_up, tuple(findings)
+
+
+def find_ground(points: Points, up: str) -> Ground | None:
+    """Find the plane or, if there is none, the pot below (N, 3) points that grow roughly `up`."""
+    sample, frame = upright_sample(points, up)
+    return find_plane(sample, frame) or find_pot(sample, frame)
 
 
 def _find_grounds(

@@ -64,13 +64,17 @@ class Ground:
         return held
 
 
-def find_ground(points: Points, up: str) -> Ground | None:
-    """Find the ground of best score below the (N, 3) points of a plant that grows roughly `up`."""
-    vertical = Vertical.named(up)
-    frame = _rotation_to_z(vertical.sign * np.eye(3)[vertical.axis])
-    sample = np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64)
+def find_plane(sample: Points, frame: Points) -> Ground | None:
+    """Find the ground of best score; sample, frame: as `upright_sample` returns them."""
     found = [_fit_ground(sample, frame, share) for share in LOW_SHARES]
     return max(filter(None, found), key=lambda ground: ground.score, default=None)
+
+
+def upright_sample(points: Points, up: str) -> tuple[Points, Points]:
+    """At most 20,000 of (N, 3) points, and the (3, 3) rotation that makes `up` the z axis."""
+    vertical = Vertical.named(up)
+    frame = _rotation_to_z(vertical.sign * np.eye(3)[vertical.axis])
+    return np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64), frame
 
 
 def _fit_ground(sample: Points, frame: Points, share: float) -> Ground | None:
@@ -84,7 +88,7 @@ def _fit_ground(sample: Points, frame: Points, share: float) -> Ground | None:
             return None
         rotation = _rotation_to_z(normal)
         frame, cells = rotation @ frame, cells[level] @ rotation.T
-    outline, score = _outline(cells[:, :2], width)
+    outline, score = outline_of(cells[:, :2], width)
     if score < MIN_SCORE:
         return None
     ground = Ground(frame, float(np.median(cells[:, 2])), 2 * width, outline, score)
@@ -98,7 +102,7 @@ def _fit_ground(sample: Points, frame: Points, share: float) -> Ground | None:
     return ground if _carries_plant(ground, sample, columns, width) else None
 
 
-def _outline(cells: Points, width: float) -> tuple[Points, float]:
+def outline_of(cells: Points, width: float) -> tuple[Points, float]:
     """The lines around (C, 2) cells, and how round and free of gaps these are, from 0 to 1."""
     from scipy.spatial import ConvexHull, QhullError
 
@@ -129,11 +133,11 @@ def _carries_plant(ground: Ground, sample: Points, columns: Points, width: float
 
 def _lowest_points(points: Points, share: float) -> tuple[Points, float]:
     """The lowest point in each cell of a grid over the lowest share of the height; their width."""
+    if len(points) < CELLS:  # too few for a ground
+        return points, 1.0
     bottom, top = np.quantile(points[:, 2], [0.002, 1.0])
     points = points[points[:, 2] <= bottom + share * ((top - bottom) or 1.0)]
     points = points[np.argsort(points[:, 2], kind="stable")]
-    if len(points) < CELLS:  # too few for a ground
-        return points, 1.0
     corner, end = np.quantile(points[:, :2], [0.005, 0.995], axis=0)
     width = float((end - corner).max()) / CELLS or 1.0
     column, row = np.floor((points[:, :2] - corner) / width).T

@@ -101,6 +101,19 @@ def test_another_plant_is_named(week):
         assert plant_doubt(series).startswith(f"day{place} may be of another plant")
 
 
+def test_leaves_of_another_width_are_another_plant(week):
+    """Where leaves of one plant lie in the other's, only their shape tells them apart."""
+    grass = [cloud.copy() for cloud in week]
+    for cloud in grass:
+        for leaf in np.split(cloud[450:], 4):
+            along = leaf[:, :2].mean(axis=0) / np.linalg.norm(leaf[:, :2].mean(axis=0))
+            leaf[:, :2] = np.outer(leaf[:, :2] @ along, along)
+    assert not plant_doubt(grass)
+    for place in range(5):
+        series = [*week[:place], grass[place], *week[place + 1 :]]
+        assert plant_doubt(series).startswith(f"day{place} may be of another plant")
+
+
 def test_labels_tell_organs_that_look_alike(plant, posed):
     """Three equal leaves at even angles: only their labels tell how the plant was turned."""
     rng = np.random.default_rng(0)

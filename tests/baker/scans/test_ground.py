@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from baker.scans.ground import DIRECTIONS, remove_ground
-from baker.scans.ground_plane import find_ground
+from baker.scans.ground import DIRECTIONS, find_ground, remove_ground
 from baker.scans.scan import Scan
 
 NAMES = ["day1", "day2", "day3", "day4", "day5"]
@@ -100,6 +99,35 @@ def test_one_scan_with_ground_among_many_is_named():
     assert shares(left[1].points, whole.points) > 0.97
     assert "in 1 of 5 scans" in finding.sentence
     assert "only day2" in finding.sentence
+
+
+def pot(rng, radius, count, rim):
+    """Soil, a wall that narrows downwards and goes above the soil by `rim`; a table below."""
+    turn, down = 2 * np.pi * rng.random(count), rng.random(count)
+    around = radius * (1 - 0.25 * down)[:, None] * np.column_stack([np.cos(turn), np.sin(turn)])
+    wall = np.column_stack([around, rim - down * (1.5 * radius + rim)])
+    table = np.column_stack([rng.uniform(-3, 3, (count, 2)) * radius, rng.normal(0, 1, count)])
+    return np.concatenate([soil(rng, radius, count, 1), wall]), table - [0, 0, 1.5 * radius]
+
+
+@pytest.mark.parametrize(
+    ("radius", "rim", "has_table", "up"),
+    [(20, 3, False, "z"), (20, 3, False, "-y"), (40, 10, True, "z"), (40, 10, True, "-x")],
+)
+def test_a_pot_is_taken_out_with_the_table_under_it(radius, rim, has_table, up):
+    rng = np.random.default_rng(4)
+    clouds, plants = [], []
+    for size in (70, 85, 100):
+        potted, table = pot(rng, radius, 3000, rim)
+        plants.append((plant(rng, size) @ TURNS[up].T).astype(np.float32))
+        ground = np.concatenate([potted, table]) if has_table else potted
+        clouds.append(Scan(np.concatenate([plants[-1], (ground @ TURNS[up].T).astype(np.float32)])))
+    left, ground_up, findings = remove_ground(clouds)
+    assert ground_up == up
+    assert "a pot under the plant in 3 of 3 scans" in findings[-1].sentence
+    for cloud, points in zip(left, plants, strict=True):
+        assert shares(cloud.points, points) > 0.97
+        assert len(cloud) < 1.02 * len(points)
 
 
 @pytest.mark.parametrize("up", DIRECTIONS)
