@@ -12,6 +12,9 @@ B. Schmitzer: A sparse multiscale algorithm for dense optimal transport (2016).
 M. Bonafini, B. Schmitzer: Domain decomposition for entropy regularized optimal transport (2021).
 """
 
+from collections.abc import Sequence
+from itertools import chain
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -28,6 +31,7 @@ MAX_POINTS_PRICED_AT_ONCE = 100  # of the smaller cloud; without neighbours, all
 MAX_PAIRS_PRICED = 1_500_000  # on the last level; if there are fewer, all pairs are priced
 SWEEPS_OF_SMALL_CELLS = 2  # in later sweeps, the size of cells doubles
 MAX_SWEEPS = 6  # the time for a point increases with the size of its cell
+PARTS_PER_WORKER = 4  # into which the cells of a sweep are divided
 MIN_GAIN = 3e-3  # share of the cost; if a sweep gains less, it is the last one
 
 Floats = NDArray[np.float64]
@@ -74,7 +78,7 @@ def _improve(
 
     The points are in the order of their bisection.
     """
-    from baker.transport.network_simplex import improve_cell
+    from baker.transport.network_simplex import improve_cells
 
     n, m = len(start), len(end)
     is_small = min(n, m) <= MAX_POINTS_PRICED_AT_ONCE
@@ -84,11 +88,11 @@ def _improve(
         seed = options.seed + MAX_SWEEPS
         neighbors = _neighbors(start, seed), _neighbors(end, seed)
 
-    def solve(rows: Indices, columns: Indices, mass: Masses) -> Coupling:
-        return improve_cell(start, end, neighbors, (rows, columns), mass, options.power, exhaustive)
+    def solve(cells: Sequence[tuple[Indices, Indices, Masses]]) -> list[Coupling]:
+        return improve_cells(start, end, neighbors, cells, options.power, exhaustive)
 
     if n + m <= MAX_POINTS_OF_ONE_CELL:
-        return solve(*edges, mass)
+        return solve([(*edges, mass)])[0]
     cost = float(mass @ costs(start, end, edges, options.power))
     for sweep in range(MAX_SWEEPS if is_last else 1):
         size = POINTS_OF_CELL * 2 ** max(0, sweep + 1 - SWEEPS_OF_SMALL_CELLS)
@@ -99,9 +103,12 @@ def _improve(
             cell[bisection_order(start, options.seed + sweep)[0]] = cell.copy()
         order = np.argsort(cell[edges[0]] * n + edges[0], kind="stable")
         stops = np.searchsorted(cell[edges[0][order]], np.arange(1, cells))
-        parts = (np.split(values[order], stops) for values in (*edges, mass))
+        split = (np.split(values[order], stops) for values in (*edges, mass))
+        plans = list(zip(*split, strict=True))
+        step = -(-cells // (1 if options.workers == 1 else PARTS_PER_WORKER * options.workers))
+        batches = [plans[first : first + step] for first in range(0, cells, step)]
         with thread_map(options.workers) as map:
-            pairs, flows = zip(*map(solve, *parts), strict=True)
+            pairs, flows = zip(*chain.from_iterable(map(solve, batches)), strict=True)
         edges = np.hstack([rows for rows, _ in pairs]), np.hstack([columns for _, columns in pairs])
         mass = np.hstack(flows)
         previous, cost = cost, float(mass @ costs(start, end, edges, options.power))

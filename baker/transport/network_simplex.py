@@ -27,6 +27,7 @@ B. Schmitzer: A sparse multiscale algorithm for dense optimal transport, J. Math
 W. H. Cunningham: A network simplex method, Math. Program. 11 (1976).
 """
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -62,40 +63,46 @@ Tree = Any  # (n + m + 1,) ndarray of NODE
 Node = Any  # the index of a node, uint32
 
 
-def improve_cell(
+def improve_cells(
     start: Floats,
     end: Floats,
     neighbors: tuple[Ints, Ints],
-    edges: Edges,
-    mass: Masses,
+    cells: Iterable[tuple[Ints, Ints, Masses]],
     power: int,
     exhaustive: bool,
-) -> tuple[Edges, Masses]:
-    """Find the plan of least cost between the points of a feasible plan, with the same masses.
+) -> list[tuple[Edges, Masses]]:
+    """Find the plan of least cost between the points of each feasible plan, with the same masses.
 
-    Points that are in no pair are left out. The plan returned has the arcs with flow of a spanning
-    tree.
+    Points that are in no pair of a plan are left out. The plans returned have the arcs with flow of
+    a spanning tree.
 
     start, end: (n, 3) and (m, 3) float64. neighbors: (n, k) and (m, k) of each point in its own
-    cloud, whose partners are priced first. edges, mass: (E,) of the plan. power: the cost of a pair
-    is distance ** power. exhaustive: whether all pairs are priced in the end, which guarantees that
-    the plan is optimal.
+    cloud, whose partners are priced first. cells: (E,) rows, columns and masses of each plan.
+    power: the cost of a pair is distance ** power. exhaustive: whether all pairs are priced in the
+    end, which guarantees that a plan is optimal.
     """
-    rows, columns = _distinct(edges[0]), _distinct(edges[1])
-    n, count = len(rows), len(rows) + len(columns)
-    tree = np.empty(count + 1, NODE)
-    places = np.concatenate([start.take(rows, axis=0), end.take(columns, axis=0)])
-    for axis, name in enumerate("xyz"):
-        tree[name][:count] = places[:, axis]
-    near_rows = _nodes(neighbors[0].take(rows, axis=0), rows, 0, len(start))
-    near_columns = _nodes(neighbors[1].take(columns, axis=0), columns, n, len(end))
-    near = np.concatenate([near_rows, near_columns])
-    tails, heads = _nodes(edges[0], rows, 0, len(start)), _nodes(edges[1], columns, n, len(end))
-    network_simplex(tree, n, near, tails, heads, mass, power, exhaustive)
-    child = np.flatnonzero(tree["flow"][:count] > 0)
-    parent = tree["parent"][child]
-    row, column = np.minimum(child, parent), np.maximum(child, parent)
-    return (rows[row], columns[column - n]), tree["flow"][child]
+    # The node of each point in the tree of the current cell.
+    row_nodes, column_nodes = (np.full(len(side), NO_NODE, np.uint32) for side in (start, end))
+    plans = []
+    for tails, heads, mass in cells:
+        rows, columns = _distinct(tails), _distinct(heads)
+        n, count = len(rows), len(rows) + len(columns)
+        row_nodes[rows] = np.arange(n, dtype=np.uint32)
+        column_nodes[columns] = np.arange(n, count, dtype=np.uint32)
+        tree = np.empty(count + 1, NODE)
+        places = np.concatenate([start.take(rows, axis=0), end.take(columns, axis=0)])
+        for axis, name in enumerate("xyz"):
+            tree[name][:count] = places[:, axis]
+        near_rows = row_nodes.take(neighbors[0].take(rows, axis=0))
+        near = np.concatenate([near_rows, column_nodes.take(neighbors[1].take(columns, axis=0))])
+        arcs = row_nodes.take(tails), column_nodes.take(heads)
+        network_simplex(tree, n, near, *arcs, mass, power, exhaustive)
+        row_nodes[rows], column_nodes[columns] = NO_NODE, NO_NODE
+        child = np.flatnonzero(tree["flow"][:count] > 0)
+        parent = tree["parent"][child]
+        row, column = np.minimum(child, parent), np.maximum(child, parent)
+        plans.append(((rows[row], columns[column - n]), tree["flow"][child]))
+    return plans
 
 
 def _distinct(members: Ints) -> Ints:
@@ -105,18 +112,6 @@ def _distinct(members: Ints) -> Ints:
     is_new[:1] = True
     np.not_equal(ordered[1:], ordered[:-1], out=is_new[1:])
     return ordered[is_new]
-
-
-def _nodes(points: Ints, members: Ints, first: int, count: int) -> NDArray[np.uint32]:
-    """The nodes of points of a cloud, NO_NODE for those that are not members of the cell.
-
-    members: in ascending order; the node of the first one is `first`. count: points of the cloud.
-    """
-    if len(members) == count:
-        return (points + first).astype(np.uint32)
-    index = np.searchsorted(members, points)
-    is_member = members.take(index, mode="clip") == points
-    return np.where(is_member, index + first, NO_NODE).astype(np.uint32)
 
 
 @compiled

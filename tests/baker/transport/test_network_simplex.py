@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import linprog
 from scipy.spatial.distance import cdist
 
-from baker.transport.network_simplex import NODE, _reduced_cost, improve_cell
+from baker.transport.network_simplex import NODE, _reduced_cost, improve_cells
 from baker.transport.problem import uniform_masses
 from baker.transport.space_partition import bisection_plan
 from tests.baker.transport.transport_clouds import leaf
@@ -21,7 +21,8 @@ def optimum(start, end, supply, demand, power):
 
 def improved(start, end, edges, mass, power=2):
     alone = tuple(np.arange(len(side))[:, None] for side in (start, end))
-    pairs, mass = improve_cell(start, end, alone, edges, mass, power, exhaustive=True)
+    cells = [(*edges, mass)]
+    ((pairs, mass),) = improve_cells(start, end, alone, cells, power, exhaustive=True)
     return *pairs, mass
 
 
@@ -92,7 +93,8 @@ def test_neighbours_partners_lead_near_the_optimum():
     supply, demand = uniform_masses(150, 210)
     edges, mass = bisection_plan(start, end, supply, demand, 0)
     near = tuple(cKDTree(side).query(side, np.arange(2, 8))[1] for side in (start, end))
-    pairs, mass = improve_cell(start, end, near, edges, mass, 2, exhaustive=False)
+    cells = [(*edges, mass)]
+    ((pairs, mass),) = improve_cells(start, end, near, cells, 2, exhaustive=False)
     plan = *pairs, mass
     assert_sums(plan, supply, demand)
     assert cost_of(start, end, *plan) <= optimum(start, end, supply, demand, 2) * 1.001
