@@ -57,10 +57,15 @@ def until_interrupted(work: Callable[[], int | None]) -> int | None:
             raise KeyboardInterrupt(number)
 
     def on_unraisable(dropped: Any) -> None:
-        if received and issubclass(dropped.exc_type, KeyboardInterrupt):
-            send_again(received.pop())
-        else:
+        if not received:
             hook(dropped)
+        elif issubclass(dropped.exc_type, KeyboardInterrupt):
+            send_again(received.pop())
+        # Else an object whose creation was stopped can't be deleted as usual, which is no fault.
+
+    def restore_hook() -> None:
+        if not received:  # objects are deleted as long as the exception is handled
+            sys.unraisablehook = hook
 
     def send_again(number: int) -> None:
         timer = threading.Timer(RETRY, SEND, [threading.main_thread().ident, number])
@@ -69,7 +74,7 @@ def until_interrupted(work: Callable[[], int | None]) -> int | None:
 
     hook, usual = sys.unraisablehook, (signal.SIG_DFL, signal.default_int_handler)
     with ExitStack() as ended:
-        ended.callback(setattr, sys, "unraisablehook", hook)
+        ended.callback(restore_hook)
         sys.unraisablehook = on_unraisable
         for number in STOPS:
             if signal.getsignal(number) in usual:

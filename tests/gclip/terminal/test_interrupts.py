@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import gc
 import importlib
 import os
 import signal
+import sys
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,9 +21,10 @@ from gclip.terminal.interrupts import uninterrupted
 @pytest.fixture(autouse=True)
 def usual_handler() -> Iterator[None]:
     """As a command finds it when it starts, whatever other tests have loaded."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    before, hook = signal.signal(signal.SIGINT, signal.default_int_handler), sys.unraisablehook
     yield
     signal.signal(signal.SIGINT, before)
+    sys.unraisablehook = hook  # which a command that is stopped leaves changed
 
 
 def test_a_stop_that_python_drops_is_sent_again(capsys: pytest.CaptureFixture[str]) -> None:
@@ -34,6 +37,26 @@ def test_a_stop_that_python_drops_is_sent_again(capsys: pytest.CaptureFixture[st
         time.sleep(20)
 
     assert run("bake", work) == 130
+    assert capsys.readouterr().err == "bake: stopped; nothing half-written is left behind.\n"
+
+
+def test_an_object_whose_creation_is_stopped_is_deleted_without_a_word(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    class HalfMade:
+        def __init__(self) -> None:
+            signal.raise_signal(signal.SIGINT)
+            self.handle = 1
+
+        def __del__(self) -> None:
+            assert self.handle
+
+    def work() -> None:
+        HalfMade()
+
+    sys.unraisablehook = sys.__unraisablehook__  # which prints to stderr
+    assert run("bake", work) == 130
+    gc.collect()
     assert capsys.readouterr().err == "bake: stopped; nothing half-written is left behind.\n"
 
 
