@@ -85,7 +85,7 @@ def cluster_pool(address: str, say: Callable[[str], None]) -> Iterator[Submit]:
         ) from None
     with client:
         if not client.nthreads():
-            say(f"{address} has no workers yet; it is waited for them")
+            say(f"{address} has no workers yet; waiting for them")
         require_same_versions(client)
         executor = client.get_executor(pure=False)
         try:

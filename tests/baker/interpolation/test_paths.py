@@ -91,3 +91,19 @@ def test_what_the_leaf_bears_is_carried_along(baked: tuple) -> None:
     for child in (2, 3):
         shift = deviation_of(movers, child).mean(axis=0)
         np.testing.assert_allclose(shift, of_tip, atol=1.5)
+
+
+def test_an_organ_is_carried_by_all_that_it_grows_on() -> None:
+    cloud = np.zeros((3, 3), np.float32)
+    scan = Hierarchy(
+        tuple(np.arange(3)[:, None]), (0, 1, 2), (NO_PARENT, 0, 1), 0, organs=(0, 1, 2)
+    )
+    plan = Correspondences(np.zeros(1, int), np.zeros(1, int), 0.0, 0.0, "")
+    carried: tuple[dict[int, np.ndarray], ...] = ({1: np.eye(3)[0]}, {2: np.eye(3)[1]}, {})
+    organs = [
+        OrganPaths(Task("match", organ, points, points), plan, carried=carried[organ])
+        for organ, points in enumerate(scan.segments)
+    ]
+    movers = moving(organs, Keyframe(cloud, None), Keyframe(cloud, None), scan, 0.0)
+    shifts = [deviation_of(movers, organ)[0] for organ in range(3)]
+    np.testing.assert_allclose(shifts, [(0, 0, 0), (1, 0, 0), (1, 1, 0)])

@@ -86,6 +86,20 @@ def test_a_cell_is_solved_as_if_it_were_alone():
         np.testing.assert_array_equal(found, expected)
 
 
+def test_cells_that_are_solved_together_do_not_know_each_other():
+    """Not even where the neighbours of a cell's points are in another cell."""
+    start, end = leaf(60), leaf(60, 1.4, seed=3)
+    mass = np.full(30, 3)
+    parts = np.arange(60).reshape(2, 30)
+    cells = [(part, np.random.default_rng(1).permutation(part), mass) for part in parts]
+    near = tuple(np.random.default_rng(2).integers(60, size=(60, 8)) for _ in range(2))
+    together = improve_cells(start, end, near, cells, 2, exhaustive=False)
+    for cell, (pairs, flow) in zip(cells, together, strict=True):
+        ((alone, mass),) = improve_cells(start, end, near, [cell], 2, exhaustive=False)
+        for found, expected in zip((*pairs, flow), (*alone, mass), strict=True):
+            np.testing.assert_array_equal(found, expected)
+
+
 def test_neighbours_partners_lead_near_the_optimum():
     from scipy.spatial import cKDTree
 
