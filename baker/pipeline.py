@@ -42,7 +42,7 @@ from baker.segmentation.organs import segment_organs
 from baker.transport.solve import wasserstein
 from baker.transport.tasks import interval_tasks
 from baker.verdict.judge import judge_clip
-from gclip import Clip, HeldOutScan, Interval, ScanMark
+from gclip import Clip, Interval, ScanMark
 
 Progress = Callable[[str, int, int], None]
 """``progress(stage, done, total)``"""
@@ -57,7 +57,7 @@ class Survey:
     options: Options  # with what the series determines
     alignment: Alignment  # of all raw scans
     aligned: AlignedSeries
-    held_out: tuple[HeldOutScan, ...]
+    held_out: tuple[ScanMark, ...]
     labels: LabelUse
     corrections: tuple[PointCorrection, ...]
 

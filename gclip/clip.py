@@ -9,28 +9,38 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, field, fields, replace
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Annotated, Any, overload
 
 import numpy as np
+from msgspec import Meta
 from numpy.typing import NDArray
 
 from gclip.errors import ClipError
 from gclip.evaluate import Frame, frame_at
-from gclip.file import Container, open_container, read_document, verify_checksums, write_file
+from gclip.file import (
+    Container,
+    decode_document,
+    encode_document,
+    open_container,
+    verify_checksums,
+    write_container,
+)
 from gclip.schema import (
     CURVES,
+    FIELD,
+    MAX_NUMBER,
     OPTIONAL,
-    ClipHeader,
-    Document,
-    HeldOutScan,
     Interval,
-    PointField,
+    Number,
     ScanMark,
+    Text,
     Track,
+    Vector,
     check_buffer,
+    require,
 )
 
 if TYPE_CHECKING:
@@ -38,12 +48,7 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 ROUNDING = 1e-9  # share of the series' length by which a time may be outside
-FIELD = "%04d/field%d"  # name of a buffer, by interval and field
-HELD_OUT = "held_out/%04d"  # name of a buffer, by the scan that was left out
-# Fields of a clip, a track and an interval as a document has them.
-HEADER = [field.name for field in fields(ClipHeader)]
-TRACK = ["name", "color", "parent", "born", "lost", "kind"]
-INTERVAL = ["start", "end", "degree", "groups", "box", "segments"]
+HELD_OUT = "held_out/%04d"  # name of a buffer, by the index of the scan
 
 
 class Tracks(dict[str, Track]):
@@ -54,14 +59,46 @@ class Tracks(dict[str, Track]):
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
-class Clip(ClipHeader):
+class Clip:
     """The animated growth of a plant."""
 
-    intervals: tuple[Interval, ...]  #: between successive scans
-    track_table: tuple[Track, ...]  #: by id
-    up: str = "z"
-    fields: tuple[PointField, ...] = ()  #: scalars of the scans' points besides colours
-    held_out: tuple[HeldOutScan, ...] = ()  #: scans left out of the bake, sorted by time
+    scans: Annotated[tuple[ScanMark, ...], Meta(min_length=2)]  #: sorted by time
+    intervals: Annotated[tuple[Interval, ...], Meta(min_length=1)]  #: between successive scans
+    track_table: Annotated[tuple[Track, ...], Meta(min_length=1)]  #: by id
+    up: Annotated[str, Meta(pattern="^-?[xyz]$")] = "z"
+    """x, y, z, -x, -y or -z: the direction of growth in the frame of the input."""
+    unit: Text = ""  #: length unit of the positions, "" where unknown
+    time_unit: Annotated[str, Meta(pattern="^(days|scans)$")] = "days"
+    """"days", or "scans" where only their order is known."""
+    origin: Vector = (0.0, 0.0, 0.0)  #: world position of local zero
+    floor: Number = 0.0  #: local height along `up` at which lost organs come to rest
+    spacing: Annotated[float, Meta(ge=0, le=MAX_NUMBER)] = 0.0
+    """Median distance between neighbouring points."""
+    provenance: dict[str, Any] = field(default_factory=dict)
+    """Options, versions, input digests."""
+    fields: tuple[Text, ...] = ()
+    """Names of the scans' scalars, such as NDVI, whose values the intervals have."""
+    held_out: tuple[ScanMark, ...] = ()
+    """Scans left out of the bake, sorted by time, with positions."""
+
+    def __post_init__(self) -> None:
+        """Raise ValueError where attributes contradict each other."""
+        times, held_out = [[s.time for s in scans] for scans in (self.scans, self.held_out)]
+        require(times == sorted({*times}), "the scans' times do not ascend")
+        require(held_out == sorted({*held_out}), "the times in held_out do not ascend")
+        is_inside = all(times[0] <= time <= times[-1] for time in held_out)
+        require(is_inside, "a time in held_out lies outside the series")
+        bounds = [self.intervals[0].start, *(interval.end for interval in self.intervals)]
+        is_gapless = [interval.start for interval in self.intervals] == bounds[:-1]
+        require(is_gapless, "the intervals do not follow one another without a gap")
+        is_spanned = {*times} <= {*bounds} and (times[0], times[-1]) == (bounds[0], bounds[-1])
+        require(is_spanned, "the intervals do not span the series from scan to scan")
+        count = len(self.track_table)
+        for index, track in enumerate(self.track_table):
+            is_valid = track.parent is None or index != track.parent < count
+            require(is_valid, f"tracks[{index}].parent is {track.parent}, no other track's id")
+        used = max((p.track for i in self.intervals for p in i.segments), default=0)
+        require(used < count, f"a segment's track is {used}; only {count} tracks are named")
 
     @property
     def times(self) -> list[float]:
@@ -174,7 +211,14 @@ class Clip(ClipHeader):
         ClipError
             If `gclip.open` would refuse the clip.
         """
-        write_file(Path(path), _content(self), _buffers(self), force)
+        buffers = _buffers(self)
+        text = encode_document(_content(self), buffers)
+        container = Container(text, buffers, sum(array.nbytes for array in buffers.values()))
+        try:
+            _read_clip(container)
+            write_container(Path(path), container, force)
+        except ClipError as error:
+            raise ClipError(f"{os.fspath(path)} can't be written: {error}.") from None
 
 
 def open(path: str | os.PathLike[str]) -> Clip:
@@ -197,8 +241,7 @@ def open(path: str | os.PathLike[str]) -> Clip:
         If the file can't be read or is damaged; the message is one sentence.
     """
     try:
-        container = open_container(Path(path))
-        return _read_clip(container, read_document(container))
+        return _read_clip(open_container(Path(path)))
     except ClipError as error:
         raise ClipError(f"{os.fspath(path)}: {error}.") from None
 
@@ -209,61 +252,50 @@ def check(path: str | os.PathLike[str]) -> str:
     Returns what the clip contains. Raises ClipError, without the file's name and a full stop.
     """
     container = open_container(Path(path))
-    document = read_document(container)
-    checksums = "no checksums: it was written before format 1.1"
-    if document.sha256:
-        verify_checksums(container, document.sha256)
-        checksums = f"{len(document.sha256)} checksums agree"
-    clip = _read_clip(container, document)
+    clip = _read_clip(container)
+    checksums = verify_checksums(container)
     return (
         f"{len(clip.scans)} scans, {len(clip.intervals)} intervals, "
         f"{len(container.buffers)} buffers, {container.size:,} bytes, {checksums}"
     )
 
 
-def _read_clip(container: Container, document: Document) -> Clip:
+def _read_clip(container: Container) -> Clip:
     """The clip that a container holds. Raises ClipError without the file's name."""
+    clip = decode_document(container, Clip)
     buffers: dict[str, Any] = dict(container.buffers)
-
-    def take(name: str, count: int, columns: int) -> NDArray[np.float32]:
-        buffer = buffers.pop(name, None)
-        check_buffer(name, buffer, (count, columns), np.float32)
-        return buffer
-
     try:
-        intervals = [_with_buffers(e, k, buffers) for k, e in enumerate(document.intervals)]
-        counts = [(k, len(interval)) for k, interval in enumerate(intervals)]
-        point_fields = tuple(
-            PointField(name, tuple(take(FIELD % (k, i), count, 2) for k, count in counts))
-            for i, name in enumerate(document.fields)
-        )
-        held_out = tuple(
-            HeldOutScan(s.name, s.time, s.date, take(HELD_OUT % i, s.points, 3))
-            for i, s in enumerate(document.held_out)
-        )
+        intervals = [_with_buffers(clip, k, buffers) for k in range(len(clip.intervals))]
+        held_out = []
+        for i, scan in enumerate(clip.held_out):
+            positions = buffers.pop(HELD_OUT % i, None)
+            check_buffer(HELD_OUT % i, positions, (scan.points, 3), np.float32)
+            held_out.append(replace(scan, positions=positions))
     except ValueError as error:
         raise ClipError(str(error)) from None
     if buffers:
         raise ClipError(f'it holds a buffer "{min(buffers)[:40]}" that nothing names')
-    largest, count = max(int(i.tracks.max()) for i in intervals), len(document.tracks)
+    largest, count = max(int(i.tracks.max()) for i in intervals), len(clip.track_table)
     if largest >= count:
         raise ClipError(f"its movers name track {largest}; only {count} tracks are named")
-    return Clip(
-        intervals=tuple(intervals),
-        track_table=document.tracks,
-        fields=point_fields,
-        held_out=held_out,
-        **_fields(document, HEADER),
-    )
+    return replace(clip, intervals=tuple(intervals), held_out=tuple(held_out))
 
 
-def _with_buffers(entry: Interval, k: int, buffers: dict[str, Any]) -> Interval:
+def _with_buffers(clip: Clip, k: int, buffers: dict[str, Any]) -> Interval:
     """Interval number k of a document, with its arrays, which are taken out of the buffers."""
-    names = {**OPTIONAL, "tracks": "track"}
-    arrays = {field: buffers.pop(f"{k:04d}/{name}", None) for field, name in names.items()}
-    curve = tuple(buffers.pop(f"{k:04d}/{name}", None) for name in CURVES[entry.degree])
+    interval = clip.intervals[k]
+
+    def take(*names: str) -> tuple[Any, ...]:
+        return tuple(buffers.pop(f"{k:04d}/{name}", None) for name in names)
+
     try:
-        return replace(entry, curve=curve, **arrays)
+        return replace(
+            interval,
+            curve=take(*CURVES[interval.degree]),
+            tracks=take("track")[0],
+            fields=take(*(FIELD % i for i in range(len(clip.fields)))),
+            **dict(zip(OPTIONAL, take(*OPTIONAL.values()), strict=True)),
+        )
     except ValueError as error:
         raise ValueError(f"in interval {k}, {error}") from None
 
@@ -273,21 +305,23 @@ def _buffers(clip: Clip) -> dict[str, NDArray[Any]]:
     buffers = {HELD_OUT % i: scan.positions for i, scan in enumerate(clip.held_out)}
     for k, interval in enumerate(clip.intervals):
         buffers |= {f"{k:04d}/{name}": array for name, array in interval.buffers().items()}
-        buffers |= {FIELD % (k, i): field.values[k] for i, field in enumerate(clip.fields)}
-    return buffers
+    return {name: np.ascontiguousarray(array) for name, array in buffers.items()}
 
 
 def _content(clip: Clip) -> dict[str, Any]:
-    """The fields of the document that describes a clip."""
-    held_out = [ScanMark(s.name, s.time, s.date, len(s.positions)) for s in clip.held_out]
-    return {
-        **_fields(clip, HEADER),
-        "tracks": [_fields(track, TRACK) for track in clip.track_table],
-        "intervals": [_fields(interval, INTERVAL) for interval in clip.intervals],
-        **({"held_out": held_out} if held_out else {}),
-        **({"fields": [field.name for field in clip.fields]} if clip.fields else {}),
+    """The document that describes a clip, without version and checksums."""
+    arrays = ("curve", "tracks", *OPTIONAL, "fields")
+    content = {
+        **_attributes(clip, "track_table"),
+        "scans": [_attributes(scan, "positions") for scan in clip.scans],
+        "tracks": [_attributes(track, "id") for track in clip.track_table],
+        "intervals": [_attributes(interval, *arrays) for interval in clip.intervals],
+        "held_out": [_attributes(scan, "positions") for scan in clip.held_out],
     }
+    optional = {"fields", "held_out"}
+    return {name: value for name, value in content.items() if value or name not in optional}
 
 
-def _fields(holder: object, names: list[str]) -> dict[str, Any]:
+def _attributes(holder: Any, *left_out: str) -> dict[str, Any]:
+    names = [each.name for each in fields(holder) if each.name not in left_out]
     return {name: getattr(holder, name) for name in names}

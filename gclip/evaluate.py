@@ -161,9 +161,9 @@ def _frame(clip: Clip, day: float, layers: list[Layer]) -> Frame:
     parts = [empty, *(evaluate_layer(clip, layer) for layer in layers)]
     local, colors, tracks = map(np.concatenate, zip(*parts, strict=True))
     fields = {}
-    for each in clip.fields:
-        blended = [_blend(each.values[layer.interval], layer) for layer in layers]
-        fields[each.name] = np.concatenate([np.zeros(0, np.float32), *blended])
+    for i, name in enumerate(clip.fields):
+        blended = [_blend(clip.intervals[layer.interval].fields[i], layer) for layer in layers]
+        fields[name] = np.concatenate([np.zeros(0, np.float32), *blended])
     return Frame(day, local, colors, tracks, clip.origin, fields=fields)
 
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from hashlib import sha256
 from operator import attrgetter
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import msgspec
 import numpy as np
@@ -23,9 +23,10 @@ from msgspec import DecodeError, Meta, Struct, ValidationError
 from numpy.typing import NDArray
 
 from gclip.errors import ClipError
-from gclip.schema import Document
 from gclip.terminal.atomic import atomic_file
 from gclip.text import printable
+
+T = TypeVar("T")
 
 MAJOR, MINOR = 1, 2  # of the format's version
 SPARE_MEMORY = 64 << 20  # bytes that a document's values may occupy beyond twice the file's size
@@ -84,14 +85,28 @@ def open_container(path: Path) -> Container:
     return Container(text, buffers, len(data))
 
 
-class Versioned(Struct):
-    """The part that documents of all versions have in common."""
+class Header(Struct):
+    """The part of a document that does not depend on the version."""
 
     version: Annotated[str, Meta(max_length=1000, pattern=r"^[0-9]+(\.|$)")]
+    sha256: dict[str, Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]] = {}
 
 
-def read_document(container: Container) -> Document:
-    """Parse and check a clip's document. Raises ClipError, which names the wrong field."""
+def decode_document(container: Container, kind: type[T]) -> T:
+    """Parse and check a clip's document.
+
+    Parameters
+    ----------
+    container : Container
+    kind : type
+        The dataclass to which the document is converted. Its attribute `track_table` is the list
+        `tracks` of the document, with the index of each as its `id`.
+
+    Raises
+    ------
+    ClipError
+        Names the wrong field.
+    """
     text = container.text
     # The memory that its values occupy at most, as it was measured for objects, lists and so on.
     values = {"{": 300, "[": 80, ",": 88, ":": 210}
@@ -99,7 +114,7 @@ def read_document(container: Container) -> Document:
     if memory > SPARE_MEMORY + 2 * container.size:
         raise ClipError("its document holds far more values than a file of its size needs")
     try:
-        major = msgspec.json.decode(text, type=Versioned).version.split(".")[0]
+        major = msgspec.json.decode(text, type=Header).version.split(".")[0]
         if int(major) > MAJOR:
             raise ClipError(
                 f"it was written in clip format {major[:20]}; this program reads up to "
@@ -107,11 +122,12 @@ def read_document(container: Container) -> Document:
             )
         content = _cleaned(msgspec.json.decode(text))
         with suppress(LookupError, TypeError):  # `convert` says what is wrong with the tracks
-            for index, track in enumerate(content["tracks"]):
+            content["track_table"] = content.pop("tracks")
+            for index, track in enumerate(content["track_table"]):
                 track["id"] = index
-        return msgspec.convert(content, Document)
+        return msgspec.convert(content, kind)
     except ValidationError as error:  # in the form "reason - at `$.field`"
-        reason, _, field = str(error).partition(" - at `$")
+        reason, _, field = str(error).replace("track_table", "tracks").partition(" - at `$")
         location = f", at {field.strip('.`')}" if field else ""
         sentence = f"its document{location}: {reason[:1].lower()}{reason[1:]}"
     except (DecodeError, RecursionError) as error:
@@ -132,41 +148,44 @@ def _cleaned(value: Any, levels: int = MAX_DEPTH) -> Any:
     return [_cleaned(each, levels - 1) for each in value]
 
 
-def write_file(
-    path: Path, content: Mapping[str, Any], arrays: Mapping[str, Any], force: bool
-) -> None:
-    """Write a clip's file atomically; equal content gives equal bytes.
-
-    The version and the checksums are added to the content. Raises UserError if the file can't be
-    written, and ClipError if it could not be read.
-    """
-    from safetensors import SafetensorError
-    from safetensors.numpy import save_file
-
-    buffers: dict[str, Any] = {n: np.ascontiguousarray(array) for n, array in arrays.items()}
+def encode_document(content: Mapping[str, Any], buffers: Mapping[str, Any]) -> str:
+    """The document with this content, to which the version and the checksums are added."""
     fields = msgspec.to_builtins(content, enc_hook=lambda number: number.item())  # NumPy scalars
     fields["version"] = f"{MAJOR}.{MINOR}"
-    fields["sha256"] = {name: sha256(b).hexdigest() for name, b in buffers.items()}
+    fields["sha256"] = {name: sha256(array).hexdigest() for name, array in buffers.items()}
     fields["sha256"][DOCUMENT] = BLANK
     text = json.dumps(
         fields, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False
     )
     text = printable(text)  # the name of a file may not be valid UTF-8
     own = f'"{DOCUMENT}":"{BLANK}"'
-    text = text.replace(own, own.replace(BLANK, sha256(text.encode()).hexdigest()))
+    return text.replace(own, own.replace(BLANK, sha256(text.encode()).hexdigest()))
+
+
+def write_container(path: Path, container: Container, force: bool) -> None:
+    """Write a clip's file atomically; equal content gives equal bytes.
+
+    Raises UserError if it can't be written, or exists and `force` is not given.
+    """
+    from safetensors import SafetensorError
+    from safetensors.numpy import save_file
+
     try:
-        read_document(Container(text, buffers, sum(b.nbytes for b in buffers.values())))
         with atomic_file(path, force) as part:
-            save_file(buffers, part, {KEY: text})
-    except (ClipError, SafetensorError) as error:
-        raise ClipError(f"{path} can't be written: {error}.") from None
+            save_file(container.buffers, part, {KEY: container.text})
+    except SafetensorError as error:
+        raise ClipError(str(error)) from None
 
 
-def verify_checksums(container: Container, written: Mapping[str, str]) -> None:
-    """Raise ClipError if the buffers or the document have other checksums than were written."""
+def verify_checksums(container: Container) -> str:
+    """Tell how many checksums the buffers and the document agree with. Raises ClipError."""
+    written = msgspec.json.decode(container.text, type=Header).sha256
+    if not written:
+        return "no checksums: it was written before format 1.1"
     document = container.text.replace(written.get(DOCUMENT, BLANK), BLANK).encode()
     parts: dict[str, Any] = {**container.buffers, DOCUMENT: document}
     wrong = [n for n, part in parts.items() if sha256(part).hexdigest() != written.get(n)]
     if wrong:
         names = ", ".join(f'"{name[:40]}"' for name in wrong)
         raise ClipError(f"not what its checksums were written for: {names}")
+    return f"{len(written)} checksums agree"

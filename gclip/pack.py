@@ -64,9 +64,10 @@ def pack_interval(
     elevated = (elevate_degree(m.curve, degree) for m in movers)
     curve = [_concatenate(points) for points in zip(*elevated, strict=True)]
     tracks = _concatenate([m.tracks for m in movers])
-    optional = {name: _concatenate([getattr(m, name) for m in movers]) for name in OPTIONAL}
+    optional = {n: _concatenate([getattr(m, n) for m in movers]) for n in OPTIONAL}
     ends = (curve[0][g.first : g.stop] + curve[-1][g.first : g.stop] for g in groups)
     order = np.concatenate([g.first + block_shuffle(m) for g, m in zip(groups, ends, strict=True)])
+    in_order: Any = {n: a if a is None else a[order] for n, a in optional.items()}
     low, high = extent(*curve)
     is_float = precision == "float32" or (high - low).max() / LEVELS > MAX_STEP * spacing
     box = None if is_float else Box(tuple(low.tolist()), tuple(high.tolist()))
@@ -78,7 +79,7 @@ def pack_interval(
         groups=tuple(groups),
         curve=tuple(_packed(curve.pop(0), box, order) for _ in range(degree + 1)),
         tracks=np.take(tracks.astype(np.uint16 if tracks.max() <= 0xFFFF else np.uint32), order),
-        **{name: None if a is None else np.take(a, order, axis=0) for name, a in optional.items()},
+        **in_order,
         segments=segments,
     )
 

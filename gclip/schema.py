@@ -1,6 +1,6 @@
-"""The schema of a clip's document (docs/format.md, "The document"), as types for msgspec.
+"""The parts of a clip's document (docs/format.md, "The document"), as types for msgspec.
 
-Rules that types can't express, such as fields that contradict each other, are checked in
+Rules that types can't express, such as attributes that contradict each other, are checked in
 `__post_init__`; msgspec adds the location to the ValueError.
 """
 
@@ -24,13 +24,13 @@ CURVES = {
 }
 """Degree of curves -> names of the buffers of their points in a file."""
 OPTIONAL = {"start_colors": "start_color", "end_colors": "end_color", "normals": "normals"}
-"""Optional fields of an interval, (N, 4) uint8 -> names of their buffers."""
+"""Optional attributes of an interval, (N, 4) uint8 -> names of their buffers."""
+FIELD = "field%d"  # name of a buffer, by the index of the field
 
 Text = Annotated[str, Meta(max_length=1000)]
 Number = Annotated[float, Meta(ge=-MAX_NUMBER, le=MAX_NUMBER)]
 Count = Annotated[int, Meta(ge=0, lt=2**48)]
 Channel = Annotated[int, Meta(ge=0, le=255)]
-Digest = Annotated[str, Meta(pattern="^[0-9a-f]{64}$")]
 Event = Annotated[str, Meta(pattern="^(match|birth|loss)$")]
 Vector = tuple[Number, Number, Number]
 
@@ -51,7 +51,11 @@ class ScanMark:
     name: Text  #: of its file
     time: Number  #: in the clip's unit of time
     date: Text = ""  #: the time as text
-    points: Count = 0
+    points: Count = 0  #: how many it has
+    positions: NDArray[np.float32] = field(
+        default_factory=lambda: np.zeros((0, 3), np.float32), compare=False
+    )
+    """(points, 3) relative to the clip's origin, if the scan was left out of the bake."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ class Box:
 
     def __post_init__(self) -> None:
         is_ordered = all(low <= high for low, high in zip(self.low, self.high, strict=True))
-        _require(is_ordered, "its low corner lies above its high corner")
+        require(is_ordered, "its low corner lies above its high corner")
 
     @property
     def step(self) -> NDArray[np.float64]:
@@ -116,7 +120,7 @@ class Track:
 class Interval:
     """The movers between two successive scans, as buffers that a GPU can use.
 
-    A document has the fields up to `segments`; the others are buffers of the file.
+    A document has the attributes up to `segments`; the others are buffers of the file.
     """
 
     start: Number  #: time of the first scan
@@ -133,23 +137,26 @@ class Interval:
     start_colors: NDArray[np.uint8] | None = None  #: (N, 4) sRGB and alpha; None: the tracks'
     end_colors: NDArray[np.uint8] | None = None
     normals: NDArray[np.uint8] | None = None  #: (N, 4) octahedral, at start and end
+    fields: tuple[NDArray[np.float32], ...] = ()
+    """For each of the clip's fields (N, 2): values at start and end, NaN where unknown."""
 
     def __post_init__(self) -> None:
         stops = [0, *(group.stop for group in self.groups)]
-        _require(self.end - self.start >= MIN_DURATION, "it must end later than it starts")
-        _require([g.first for g in self.groups] == stops[:-1], "its groups do not cover its movers")
-        _require(stops[-1] > 0, "it holds no movers; at least one is needed")
+        require(self.end - self.start >= MIN_DURATION, "it must end later than it starts")
+        require([g.first for g in self.groups] == stops[:-1], "its groups do not cover its movers")
+        require(stops[-1] > 0, "it holds no movers; at least one is needed")
         if not self.curve:
             return
-        _require(len(self.curve) == self.degree + 1, "its curves are of another degree")
+        require(len(self.curve) == self.degree + 1, "its curves are of another degree")
         points = (3,), np.float32 if self.box is None else np.uint16
         layouts: dict[str, Any] = dict.fromkeys(CURVES[self.degree], points)
         layouts["track"] = (), np.uint16, np.uint32
+        layouts |= {FIELD % i: ((2,), np.float32) for i in range(len(self.fields))}
         for name, buffer in self.buffers().items():
             columns, *dtypes = layouts.get(name, ((4,), np.uint8))
             check_buffer(name, buffer, (stops[-1], *columns), *dtypes)
         has_both = (self.start_colors is None) == (self.end_colors is None)
-        _require(has_both, "one of its buffers start_color and end_color is missing")
+        require(has_both, "one of its buffers start_color and end_color is missing")
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -160,6 +167,7 @@ class Interval:
     def buffers(self) -> dict[str, NDArray[Any]]:
         """The arrays by the names of their buffers, after the number of the interval."""
         arrays = {"track": self.tracks, **dict(zip(CURVES[self.degree], self.curve, strict=True))}
+        arrays |= {FIELD % i: values for i, values in enumerate(self.fields)}
         optional = {name: getattr(self, field) for field, name in OPTIONAL.items()}
         return arrays | {name: array for name, array in optional.items() if array is not None}
 
@@ -167,86 +175,20 @@ class Interval:
         return len(self.tracks)
 
 
-@dataclass(frozen=True)
-class HeldOutScan:
-    """A scan that was left out of the bake, aligned with the others, for comparison."""
-
-    name: str
-    time: float
-    date: str
-    positions: NDArray[np.float32]  #: (N, 3) relative to the clip's origin
-
-
-@dataclass(frozen=True)
-class PointField:
-    """A scalar of the scans' points, such as NDVI or a temperature."""
-
-    name: str
-    values: tuple[NDArray[np.float32], ...]
-    """For each interval (N, 2): values of its movers at start and end, NaN where unknown."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClipHeader:
-    """What a clip and its document have in common."""
-
-    scans: Annotated[tuple[ScanMark, ...], Meta(min_length=2)]  #: sorted by time
-    up: Annotated[str, Meta(pattern="^-?[xyz]$")]
-    """x, y, z, -x, -y or -z: the direction of growth in the frame of the input."""
-    unit: Text = ""  #: length unit of the positions, "" where unknown
-    time_unit: Annotated[str, Meta(pattern="^(days|scans)$")] = "days"
-    """"days", or "scans" where only their order is known."""
-    origin: Vector = (0.0, 0.0, 0.0)  #: world position of local zero
-    floor: Number = 0.0  #: local height along `up` at which lost organs come to rest
-    spacing: Annotated[float, Meta(ge=0, le=MAX_NUMBER)] = 0.0
-    """Median distance between neighbouring points."""
-    provenance: dict[str, Any] = field(default_factory=dict)
-    """Options, versions, input digests."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Document(ClipHeader):
-    """The whole document: a clip without its buffers."""
-
-    version: Text
-    tracks: Annotated[tuple[Track, ...], Meta(min_length=1)]
-    intervals: Annotated[tuple[Interval, ...], Meta(min_length=1)]
-    fields: tuple[Text, ...] = ()
-    held_out: tuple[ScanMark, ...] = ()
-    sha256: dict[str, Digest] = field(default_factory=dict)
-
-    def __post_init__(self) -> None:
-        times, held_out = [[s.time for s in scans] for scans in (self.scans, self.held_out)]
-        _require(times == sorted({*times}), "the scans' times do not ascend")
-        _require(held_out == sorted({*held_out}), "the times in held_out do not ascend")
-        is_inside = all(times[0] <= time <= times[-1] for time in held_out)
-        _require(is_inside, "a time in held_out lies outside the series")
-        bounds = [self.intervals[0].start, *(interval.end for interval in self.intervals)]
-        is_gapless = [interval.start for interval in self.intervals] == bounds[:-1]
-        _require(is_gapless, "the intervals do not follow one another without a gap")
-        is_spanned = {*times} <= {*bounds} and (times[0], times[-1]) == (bounds[0], bounds[-1])
-        _require(is_spanned, "the intervals do not span the series from scan to scan")
-        count = len(self.tracks)
-        for index, track in enumerate(self.tracks):
-            is_valid = track.parent is None or index != track.parent < count
-            _require(is_valid, f"tracks[{index}].parent is {track.parent}, no other track's id")
-        used = max((p.track for i in self.intervals for p in i.segments), default=0)
-        _require(used < count, f"a segment's track is {used}; only {count} tracks are named")
-
-
 def check_buffer(name: str, buffer: Any, shape: tuple[int, ...], *dtypes: type) -> None:
     """Raise ValueError unless a buffer has this shape, one of the dtypes, and finite positions."""
     needed = f"{' or '.join(np.dtype(dtype).name for dtype in dtypes)} {shape}"
     found = "missing" if buffer is None else f"{buffer.dtype.name} {buffer.shape}"
     is_fitting = buffer is not None and buffer.shape == shape and buffer.dtype.type in dtypes
-    _require(is_fitting, f'its buffer "{name}" is {found}; the document needs {needed}')
+    require(is_fitting, f'its buffer "{name}" is {found}; the document needs {needed}')
     if shape[1:] == (3,) and np.float32 in dtypes and len(buffer):
         # Comparisons with NaN, which is the minimum and maximum of an array with NaN, are False.
         is_bounded = buffer.min() >= -MAX_NUMBER and buffer.max() <= MAX_NUMBER
         found = f"a position that is not finite, or beyond {MAX_NUMBER:g}"
-        _require(is_bounded, f'its buffer "{name}" holds {found}')
+        require(is_bounded, f'its buffer "{name}" holds {found}')
 
 
-def _require(condition: bool, message: str) -> None:
+def require(condition: bool, message: str) -> None:
+    """Raise ValueError with this message unless the condition holds."""
     if not condition:
         raise ValueError(message)

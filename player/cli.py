@@ -126,7 +126,7 @@ def play_command(
     clip = clips[0]
     if export is not None:
         opened = gclip.open(clip)
-        known = [one.name for one in opened.fields]
+        known = opened.fields
         if field and field not in known:
             raise PlayerError(f"--field is {field}; the clip has {', '.join(known) or 'none'}.")
         film = player.export.Film(

@@ -61,7 +61,7 @@ class TraitCurve:
 
 def plotted(clip: Clip) -> list[str]:
     """Names of the curves of a clip: the traits, and the mean of each field."""
-    return [*PLOTTED, *(FIELD.format(field.name) for field in clip.fields)]
+    return [*PLOTTED, *(FIELD.format(name) for name in clip.fields)]
 
 
 def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[TraitCurve]:

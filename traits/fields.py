@@ -44,12 +44,12 @@ def field_means(clip: Clip, day: float, track: int | None = None) -> dict[str, f
     ends = (np.asarray(p[movers]) for p in (interval.curve[0], interval.curve[-1]))
     first, last = (np.unique(points, axis=0, return_index=True)[1] for points in ends)
     result = {}
-    for field in clip.fields:
-        values = np.asarray(field.values[index], float)[movers]
+    for name, ends_of_movers in zip(clip.fields, interval.fields, strict=True):
+        values = np.asarray(ends_of_movers, float)[movers]
         weighted = ((1.0 - share, values[first, 0]), (share, values[last, 1]))
         means = [weight * _mean(of_scan) for weight, of_scan in weighted if weight]
         if np.isfinite(means).all():
-            result[field.name] = float(sum(means))
+            result[name] = float(sum(means))
     return result
 
 

@@ -11,7 +11,7 @@ from baker.errors import InputError
 from baker.geometry.neighbors import Neighbors
 from baker.geometry.up_axis import Vertical
 from baker.scans import Series
-from gclip import HeldOutScan
+from gclip import ScanMark
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
 
 def hold_out(
     series: Series, keyframes: Sequence[Keyframe], every: int | None
-) -> tuple[Series, list[Keyframe], tuple[HeldOutScan, ...]]:
+) -> tuple[Series, list[Keyframe], tuple[ScanMark, ...]]:
     """Split an aligned series into the scans to bake and those left out for verification.
 
     Parameters
@@ -98,7 +98,7 @@ def hold_out(
         )
     kept = [k for k in range(len(series.scans)) if k not in left_out]
     excluded = [(series.scans[k], keyframes[k].positions) for k in left_out]
-    held_out = tuple(HeldOutScan(s.name, s.time, s.date, positions) for s, positions in excluded)
+    held_out = tuple(ScanMark(s.name, s.time, s.date, len(p), p) for s, p in excluded)
     series = replace(series, scans=tuple(series.scans[k] for k in kept))
     return series, [keyframes[k] for k in kept], held_out
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from baker.alignment.keyframes import Keyframe
 from baker.scans import Scan
 from baker.segmentation.hierarchy import Hierarchy
-from gclip import Clip, Motion, PointField
+from gclip import Clip, Motion
 from gclip.evaluate import positions_on_curve
 
 STEM_COLOR = (122, 158, 72)  # a muted green, unlike the colours of the organs
@@ -87,7 +87,7 @@ def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequen
     if not scalars[0]:
         return clip
     trees, born = [KDTree(cloud) for cloud in clouds], np.array([t.born for t in clip.track_table])
-    values: dict[str, list[NDArray[np.float32]]] = {name: [] for name in scalars[0]}
+    intervals = []
     for k, interval in enumerate(clip.intervals):
         first, last = (
             trees[k + u].query(positions_on_curve(interval, slice(None), u))[1] for u in (0, 1)
@@ -96,9 +96,10 @@ def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequen
         lost = np.zeros(len(interval), bool)
         for group in interval.groups:
             lost[group.first : group.stop] = group.motion is not Motion.MOVE
-        for name, of_intervals in values.items():
+        fields = []
+        for name in scalars[0]:
             start, end = scalars[k][name][first], scalars[k + 1][name][last]
             ends = np.where(newborn, end, start), np.where(lost, start, end)
-            of_intervals.append(np.stack(ends, axis=1))
-    fields = tuple(PointField(name, tuple(arrays)) for name, arrays in values.items())
-    return replace(clip, fields=fields)
+            fields.append(np.stack(ends, axis=1))
+        intervals.append(replace(interval, fields=tuple(fields)))
+    return replace(clip, fields=tuple(scalars[0]), intervals=tuple(intervals))

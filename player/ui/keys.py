@@ -161,7 +161,7 @@ TABLE: dict[str, tuple[Action | Choice, ...]] = {
         Choice("color", "c", "colour by something else", "Colour", "style.color_by",
                lambda s: s.color_modes, attrgetter("label"), lambda s, mode: mode.lacking(s.clip)),
         Choice("field", "shift+f", "colour by another field", "Field", "style.field",
-               lambda s: [field.name for field in s.clip.fields] or [""],
+               lambda s: s.clip.fields or [""],
                lambda name: name or "none in this clip"),
         Choice("colormap", "shift+m", "other colours of values", "Colours", "style.color_map",
                lambda s: list(ColorMap)),

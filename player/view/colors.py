@@ -189,8 +189,9 @@ def values_of(clip: Clip, mode: ColorMode, field: str) -> tuple[ValueRange, Valu
             values, title = holdout_errors(clip), f"{title} against a scan left out"
             high = _high_end(values)
         case _:
-            shown = next((one for one in clip.fields if one.name == field), clip.fields[0])
-            values, title, unit, known = shown.values, shown.name, "", _known(shown.values)
+            index = clip.fields.index(field) if field in clip.fields else 0
+            values = [interval.fields[index] for interval in clip.intervals]
+            title, unit, known = clip.fields[index], "", _known(values)
             low, high = np.quantile(known, [1.0 - FAST, FAST]) if len(known) else (0.0, 1.0)
             low, high = float(low), float(max(high, low + 1e-9))
     return ValueRange(title, low, high, unit, mode.colormap), values

@@ -47,4 +47,4 @@ def held_out_as_clip(clip: Clip, number: int) -> tuple[Clip, NDArray[np.float64]
         end_colors=paint,
     )
     ends = tuple(replace(clip.scans[end], points=len(scan.positions)) for end in (0, -1))
-    return replace(clip, scans=ends, intervals=(interval,), held_out=()), missed
+    return replace(clip, scans=ends, intervals=(interval,), fields=(), held_out=()), missed

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip import Clip, HeldOutScan, Motion, ScanMark, Track
+from gclip import Clip, Motion, ScanMark, Track
 from gclip.pack import Movers, pack_interval
 
 INJECTIONS = (
@@ -118,7 +118,7 @@ def _clip(
         track_table=tuple(few if tracks == 2 else [few[0]] * tracks),
         unit="mm",
         spacing=spacing,
-        held_out=(HeldOutScan("x.ply", 3.0, "2020-03-11", points),) if held_out else (),
+        held_out=(ScanMark("x.ply", 3.0, "2020-03-11", len(points), points),) if held_out else (),
         provenance={"notes": ["made by hand"], "options": {"align": "auto", "k": [15, 2.5]}},
     )
 

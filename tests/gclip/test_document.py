@@ -7,7 +7,7 @@ import json
 import pytest
 
 import gclip
-from gclip.file import Container, read_document
+from gclip.file import Container, decode_document
 from gclip.text import printable
 from tests.gclip.hostile import INJECTIONS, good_clips
 
@@ -15,9 +15,9 @@ from tests.gclip.hostile import INJECTIONS, good_clips
 def test_a_document_is_measured_before_it_is_read() -> None:
     text = good_clips()[0][0].rstrip("}") + '},"x":[' + "[]," * 450_000 + "0]}"
     with pytest.raises(gclip.ClipError, match="far more values"):
-        read_document(Container(text, {}, 1000))
+        decode_document(Container(text, {}, 1000), gclip.Clip)
     with pytest.raises(gclip.ClipError, match="its document"):
-        read_document(Container(text.replace('"up"', '"down"'), {}, 100_000_000))
+        decode_document(Container(text.replace('"up"', '"down"'), {}, 100_000_000), gclip.Clip)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +42,7 @@ def test_a_document_is_measured_before_it_is_read() -> None:
 )
 def test_what_is_no_document_is_named(text: str, words: str) -> None:
     with pytest.raises(gclip.ClipError, match=words):
-        read_document(Container(text, {}, 1 << 20))
+        decode_document(Container(text, {}, 1 << 20), gclip.Clip)
 
 
 def test_text_gives_no_orders() -> None:
@@ -50,7 +50,7 @@ def test_text_gives_no_orders() -> None:
         document = json.loads(good_clips()[0][0])
         document["unit"] = text[:1000]
         document["provenance"] = {text: [text, {"a": [[text]]}]}
-        read = read_document(Container(json.dumps(document), {}, 1 << 20))
+        read = decode_document(Container(json.dumps(document), {}, 1 << 20), gclip.Clip)
         assert read.unit == printable(text[:1000])
         said = printable(text)
         assert read.provenance == {said: [said, {"a": [[said]]}]}
@@ -60,6 +60,6 @@ def test_a_refusal_is_short_and_printable() -> None:
     document = json.loads(good_clips()[0][0])
     document["up"] = "\x1b[2J" + "x" * 900
     with pytest.raises(gclip.ClipError) as refusal:
-        read_document(Container(json.dumps(document), {}, 1 << 20))
+        decode_document(Container(json.dumps(document), {}, 1 << 20), gclip.Clip)
     assert str(refusal.value).isprintable()
     assert len(str(refusal.value)) <= 300

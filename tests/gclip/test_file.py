@@ -39,7 +39,7 @@ def test_what_is_written_comes_back(make_clip, tmp_path, degree, colors, precisi
 
 def test_scans_left_out_come_back(make_clip, tmp_path):
     points = np.random.default_rng(3).random((20, 3)).astype(np.float32)
-    left_out = gclip.HeldOutScan("x.ply", 1.5, "day 1.5", points)
+    left_out = gclip.ScanMark("x.ply", 1.5, "day 1.5", len(points), points)
     replace(make_clip(), held_out=(left_out,)).save(tmp_path / "c.gclip")
     (again,) = gclip.open(tmp_path / "c.gclip").held_out
     assert (again.name, again.time, again.date) == ("x.ply", 1.5, "day 1.5")
@@ -56,7 +56,7 @@ def test_scans_left_out_come_back(make_clip, tmp_path):
 )
 def test_scans_left_out_are_checked(make_clip, tmp_path, field, value, words):
     points = np.zeros((20, 3), np.float32)
-    left_out = gclip.HeldOutScan("x.ply", 1.5, "day 1.5", points)
+    left_out = gclip.ScanMark("x.ply", 1.5, "day 1.5", len(points), points)
     replace(make_clip(), held_out=(left_out,)).save(tmp_path / "c.gclip")
     rewrite(tmp_path / "c.gclip", lie(field, value, "held_out", 0))
     with pytest.raises(gclip.ClipError, match=words):
@@ -209,11 +209,15 @@ def test_lies_are_refused_in_one_sentence(make_clip, tmp_path, name):
 
 
 def test_nan_positions_are_refused(make_clip, tmp_path):
-    clip = make_clip(precision="float32")
-    clip.intervals[0].curve[0][5, 1] = np.nan
-    clip.save(tmp_path / "c.gclip")
+    path, clip = tmp_path / "c.gclip", make_clip(precision="float32")
+    clip.save(path)
+    positions = clip.intervals[0].curve[0]
+    positions[5, 1] = np.nan
+    rewrite(path, lambda document, buffers: buffers.update({"0000/start": positions}))
     with pytest.raises(gclip.ClipError, match="not finite"):
-        gclip.open(tmp_path / "c.gclip")
+        gclip.open(path)
+    with pytest.raises(gclip.ClipError, match=r"can't be written: in interval 0, .* not finite"):
+        clip.save(path)
 
 
 @settings(

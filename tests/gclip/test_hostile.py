@@ -116,9 +116,9 @@ def test_float32_positions_are_within_bounds(make_clip, tmp_path: Path) -> None:
         clip.save(path)
         assert not refusal(path)
         clip.intervals[1].curve[-1][3, 2] = np.nextafter(np.float32(value), np.float32(9 * value))
-        clip.save(path)
-        said = 'in interval 1, its buffer "end" holds a position that is not finite, or beyond'
-        assert said in refusal(path)
+        reason = 'in interval 1, its buffer "end" holds a position that is not finite, or beyond'
+        with pytest.raises(gclip.ClipError, match=reason):
+            clip.save(path)
 
 
 def test_what_would_be_refused_is_not_written(make_clip, tmp_path: Path) -> None:
@@ -129,10 +129,9 @@ def test_what_would_be_refused_is_not_written(make_clip, tmp_path: Path) -> None
     before = path.read_bytes()
     clip = make_clip()
     for wrong in (
-        replace(clip, scans=clip.scans[:1]),
         replace(clip, spacing=1e19),
         replace(clip, up="w"),
-        replace(clip, track_table=()),
+        replace(clip, track_table=clip.track_table[:1]),
     ):
         with pytest.raises(gclip.ClipError, match="can't be written") as said:
             wrong.save(path)

@@ -8,13 +8,12 @@ from typing import Any
 import pytest
 
 import gclip
-from gclip.file import Container, read_document
-from gclip.schema import Document
+from gclip.file import Container, decode_document
 from tests.gclip.hostile import NUMBERS, good_clips
 
 
-def read(document: dict) -> Document:
-    return read_document(Container(json.dumps(document), {}, 1 << 20))
+def read(document: dict) -> gclip.Clip:
+    return decode_document(Container(json.dumps(document), {}, 1 << 20), gclip.Clip)
 
 
 def changed(place: tuple, field: str, value: object) -> dict:
@@ -121,7 +120,7 @@ def test_what_is_no_number_is_refused(wrong: object) -> None:
 def test_parents_are_other_tracks(index: int, parent: int | None, fine: bool) -> None:
     document = changed(("tracks", index), "parent", parent)
     if fine:
-        assert read(document).tracks[index].parent == parent
+        assert read(document).track_table[index].parent == parent
     else:
         with pytest.raises(gclip.ClipError, match=r"tracks\[1\].parent"):
             read(document)
@@ -145,9 +144,9 @@ def test_what_is_left_out_has_the_default_that_the_format_names() -> None:
     found = read(document)
     assert (found.up, found.unit, found.time_unit) == ("-x", "", "days")
     assert (found.origin, found.floor, found.spacing) == ((0.0, 0.0, 0.0), 0.0, 0.0)
-    assert (found.provenance, found.held_out, found.sha256) == ({}, (), {})
+    assert (found.provenance, found.held_out, found.fields) == ({}, (), ())
     assert found.scans[1] == gclip.ScanMark("b", 4.5, "", 5)
-    (track,) = found.tracks
+    (track,) = found.track_table
     assert (track.name, track.color, track.parent) == ("stem", (1, 2, 3), None)
     assert (track.born, track.lost, track.kind) == (0.0, None, "organ")
     (interval,) = found.intervals

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import subprocess
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import npe2
@@ -12,6 +13,7 @@ import numpy as np
 import pytest
 
 import gclip
+from gclip.pack import Movers, pack_interval
 
 ROOT = Path(__file__).parents[2]
 PLUGIN = ROOT / "integrations/napari"
@@ -49,17 +51,26 @@ def test_napari_reads_a_clip_at_its_scans_and_between(path: Path) -> None:
     assert set(properties["features"]["organ"].tolist()) <= names
 
 
+def still(scans: tuple[gclip.ScanMark, ...]) -> gclip.Clip:
+    """A clip of these scans, of one point that does not move."""
+    point = Movers(gclip.Motion.MOVE, (np.ones((1, 3)),) * 2, np.zeros(1, int))
+    pairs = pairwise(scan.time for scan in scans)
+    intervals = tuple(pack_interval(*times, [point], spacing=1.0) for times in pairs)
+    track = gclip.Track(0, "stem", (0, 0, 0))
+    return gclip.Clip(scans=scans, intervals=intervals, track_table=(track,))
+
+
 @pytest.mark.parametrize("times", [[0, 3, 7], [5, 6, 6.5, 12], [0, 1, 100]])
 def test_uneven_scans_stand_at_the_nearest_step(times: list[float]) -> None:
     module = importlib.import_module("napari_growth_clip")
     scans = tuple(gclip.ScanMark("scan", time, points=10) for time in times)
-    step, days = module.states(gclip.Clip(scans=scans, intervals=(), track_table=()))
+    step, days = module.states(still(scans))
     assert set(times) <= set(days)
     even = times[0] + step * np.arange(len(days))
     np.testing.assert_allclose(days, even, atol=step / 2 + 1e-9)
     assert np.diff(times).min() >= step * module.STATES_BETWEEN
     many = tuple(gclip.ScanMark("scan", time, points=10**6) for time in times)
-    assert len(module.states(gclip.Clip(scans=many, intervals=(), track_table=()))[1]) <= 6
+    assert len(module.states(still(many))[1]) <= 6
 
 
 def test_several_clips_are_several_layers() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 from dataclasses import replace
 from io import BytesIO
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -69,7 +70,11 @@ def test_a_player_that_cannot_draw_is_quoted(baked, player_fails):
 
 def test_of_many_scans_a_dozen_is_shown_with_both_ends(baked):
     clip, _ = baked
-    many = replace(clip, scans=clip.scans * 20)
+    times = np.linspace(*clip.times[::2], 60).tolist()
+    scans = tuple(replace(clip.scans[0], time=time) for time in times)
+    interval = clip.intervals[0]
+    intervals = tuple(replace(interval, start=a, end=b) for a, b in pairwise(times))
+    many = replace(clip, scans=scans, intervals=intervals)
     shown = scans_pictured(many)
     assert len(shown) == len(set(shown)) == 12
     assert (shown[0], shown[-1]) == (0, 59)

@@ -16,7 +16,7 @@ import pytest
 from playwright.sync_api import sync_playwright
 
 import shaders
-from gclip import Clip, HeldOutScan, Motion, Track
+from gclip import Clip, Motion, ScanMark, Track
 from player import render
 from player.export import Film, export
 from player.export.web.encode import pack
@@ -329,7 +329,7 @@ def test_less_is_drawn_while_things_move_on_a_slow_machine(
 
 def test_the_page_explains_the_colors_of_errors(opened: Any, make_clip: Any) -> None:
     clip = make_clip()
-    real = HeldOutScan("x.ply", 1.0, "day 1", clip.at(1.0).local + np.float32(2.0))
+    real = ScanMark("x.ply", 1.0, positions=clip.at(1.0).local + np.float32(2.0))
     tab = opened(replace(clip, held_out=(real,)), Film(style=Style(color_by="error")))
     assert tab.is_visible("#scale")
     assert "error against a scan left out" in tab.text_content("#scale")

@@ -12,7 +12,7 @@ import pytest
 from plyfile import PlyData
 from scipy.spatial import cKDTree
 
-from gclip import Clip, HeldOutScan
+from gclip import Clip, ScanMark
 from player.cli import main as play
 from player.errors import PlayerError
 from player.export import Film, export
@@ -39,7 +39,7 @@ def clip(make_clip: Any) -> Clip:
     clip = make_clip(colors=((9, 9, 9, 255), (9, 9, 9, 255)))
     real = clip.at(DAY).local.copy()
     real[real[:, 2] > 25.0, 1] += 3.0
-    return replace(clip, held_out=(HeldOutScan("b.ply", DAY, "day 1", real),))
+    return replace(clip, held_out=(ScanMark("b.ply", DAY, "day 1", len(real), real),))
 
 
 def test_a_mover_s_error_is_its_distance_to_the_scan(clip: Clip) -> None:
@@ -54,7 +54,7 @@ def test_a_mover_s_error_is_its_distance_to_the_scan(clip: Clip) -> None:
 
 def test_what_is_no_part_of_the_plant_has_no_error(make_clip: Any) -> None:
     clip = make_clip(lost="remove")
-    real = HeldOutScan("x.ply", 4.0, "day 4", clip.at(4.0).local)
+    real = ScanMark("x.ply", 4.0, positions=clip.at(4.0).local)
     errors = holdout_errors(replace(clip, held_out=(real,)))[1]
     assert np.isnan(errors[clip.intervals[1].groups[0].stop :]).all()
     assert np.isfinite(errors[: clip.intervals[1].groups[0].stop]).all()
@@ -171,7 +171,7 @@ def test_a_clip_without_a_scan_left_out_says_how_to_get_one(
     told = keys.ACTIONS["color"].choose(scene, ColorMode.ERROR)
     assert told.style == scene.style
     assert "bake it with --holdout 2" in told.notice
-    held = replace(clip, held_out=(HeldOutScan("x.ply", 1.0, "day 1", clip.at(1.0).local),))
+    held = replace(clip, held_out=(ScanMark("x.ply", 1.0, positions=clip.at(1.0).local),))
     for each, reached in ((clip, False), (held, True)):
         seen, shown = set(), replace(scene, clips=(each,))
         for _ in shown.color_modes:

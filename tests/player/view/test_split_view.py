@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from gclip import Clip
 from player.view.camera import Camera
 from player.view.choices import Compare
 from player.view.playback import Timeline
@@ -33,13 +34,17 @@ def test_the_nearest_scan_stands_beside_the_day(make_clip: ClipMaker) -> None:
     assert (left.right, right.left, left.own) == (0.3, 0.3, False)
 
 
+def delayed(clip: Clip, days: float) -> Clip:
+    scans = [replace(scan, time=scan.time + days) for scan in clip.scans]
+    intervals = [replace(i, start=i.start + days, end=i.end + days) for i in clip.intervals]
+    return replace(clip, scans=tuple(scans), intervals=tuple(intervals))
+
+
 def test_days_of_two_series(make_clip: ClipMaker) -> None:
     clip = make_clip()
-    scans = [replace(scan, time=scan.time + 1.0) for scan in clip.scans]
-    later = replace(clip, scans=tuple(scans))
+    later, next_year = delayed(clip, 1.0), delayed(clip, 365.0)
     assert matched_day(clip, later, 3.0) == 3.0
     assert matched_day(clip, later, 0.0) == 1.0
-    next_year = replace(clip, scans=tuple(replace(s, time=s.time + 365.0) for s in clip.scans))
     assert matched_day(clip, next_year, 3.0) == 368.0
     assert matched_day(next_year, clip, 368.0) == 3.0
 
