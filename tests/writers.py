@@ -110,7 +110,8 @@ def _run(module: str, arguments: list[str], folder: Path, begun: Event) -> None:
     main = import_module(module).main
     signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored behind a shell's &
     begun.set()
-    code = main(arguments)
+    sys.argv[1:] = arguments
+    code = main()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # what follows is not the command's
     sys.exit(code)
 

@@ -30,9 +30,8 @@ Submit = Callable[..., "Future[Any]"]
 def process_pool(workers: int) -> Iterator[Submit]:
     """Start worker processes. A task that ends its process `ATTEMPTS` times raises ChildEnded.
 
-    A terminal's Ctrl-C does not reach them, and they end with this process, in whatever way. When
-    the context is left, KeyboardInterrupt is raised in their tasks, so that half-written files are
-    removed.
+    A terminal's Ctrl-C does not reach them. They end with this process, in whatever way, or when
+    the context is left, and remove half-written files.
     """
     children = [ChildProcess(stderr=None) for _ in range(workers)]
     unused, own = list(children), local()

@@ -15,7 +15,7 @@ from subprocess import DEVNULL, PIPE, Popen, TimeoutExpired
 from threading import Lock, Thread
 from typing import Any
 
-from gclip.terminal.interrupts import until_interrupted
+from gclip.terminal.interrupts import stop, stop_on_signals
 
 
 class ChildEnded(Exception):
@@ -41,7 +41,7 @@ class ChildProcess(AbstractContextManager):
         self.stop()
 
     def stop(self, patience: float = 0.0) -> None:
-        """Raise KeyboardInterrupt in the child, and kill it if it runs on `patience` seconds."""
+        """End the child, which removes its half-written files; kill it after `patience` seconds."""
         self._is_stopped = True
         if self._process is not None:
             assert self._process.stdin
@@ -97,7 +97,7 @@ def serve() -> None:
         with suppress(EOFError):
             while True:
                 calls.put(pickle.load(sys.stdin.buffer))
-        os.kill(os.getpid(), signal.SIGTERM)  # also while a function is called
+        stop(1)  # also while a function is called
 
     def call() -> None:
         while True:
@@ -116,6 +116,7 @@ def serve() -> None:
             results.flush()
 
     Thread(target=receive, daemon=True).start()
-    with suppress(KeyboardInterrupt, BrokenPipeError):
-        until_interrupted(call)
-    os._exit(1)  # without waiting for threads that still calculate
+    stop_on_signals()
+    with suppress(BrokenPipeError):
+        call()
+    stop(1)

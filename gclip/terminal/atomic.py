@@ -9,9 +9,11 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from secrets import token_hex
+from shutil import rmtree
 
 from gclip.errors import UserError
+from gclip.terminal.interrupts import drafts
 
 
 @contextmanager
@@ -28,9 +30,15 @@ def writing(path: Path) -> Iterator[None]:
 @contextmanager
 def folder_beside(path: Path) -> Iterator[Path]:
     """A temporary folder next to `path`, on the same file system. Raises OSError."""
-    name = f".{path.name[:40]}."  # so that the folder's name has at most 255 bytes
-    with TemporaryDirectory(".part", name, path.parent, ignore_cleanup_errors=True) as folder:
-        yield Path(folder)
+    # Its name has at most 255 bytes, and is known to `stop` before the folder exists.
+    folder = path.parent / f".{path.name[:40]}.{token_hex(4)}.part"
+    drafts.add(folder)
+    try:
+        folder.mkdir(mode=0o700)
+        yield folder
+    finally:
+        rmtree(folder, ignore_errors=True)
+        drafts.discard(folder)
 
 
 def check_output(path: Path, force: bool) -> None:

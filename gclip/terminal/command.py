@@ -17,10 +17,11 @@ from typer.main import get_command
 
 from gclip import __version__
 from gclip.errors import UserError
-from gclip.terminal.interrupts import until_interrupted
+from gclip.terminal.interrupts import stop_on_signals
 from gclip.text import Lossy, printable
 
 DONE, OUR_FAULT, BAD_INPUT = 0, 1, 2  # or 128 and the number of a signal
+STOPPED = "stopped; nothing half-written is left behind."
 # Errors of the system that are not the program's fault, whatever the file.
 LIMITS = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EMFILE, errno.ENFILE, errno.EIO}
 
@@ -38,10 +39,10 @@ def run(command: str, work: Callable[[], int | None]) -> int:
             warnings.showwarning = lambda text, *where: _print_error(
                 command, f"warning: {str(text).partition(chr(10))[0]}"
             )
-            return until_interrupted(work) or DONE
-    except KeyboardInterrupt as stop:
-        _print_error(command, "stopped; nothing half-written is left behind.")
-        return 128 + (stop.args[0] if stop.args else SIGINT)
+            return work() or DONE
+    except KeyboardInterrupt:  # in Python; `run_app` stops a process otherwise
+        _print_error(command, STOPPED)
+        return 128 + SIGINT
     except (BrokenPipeError, SystemExit) as error:  # rich turns the first into the second
         if BrokenPipeError not in (type(error), type(error.__context__)):
             raise
@@ -125,12 +126,11 @@ def run_app(
     # bytes of a file must not depend on the machine; other threads use all cores anyway.
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         os.environ[name] = "1"
+    if argv is None:
+        stop_on_signals(f"{command}: {STOPPED}")
     code = run(command, work)
     if argv is None:
         gc.freeze()  # the process ends: a last garbage collection would take 0.3 s
-    if argv is None and code > 128:
-        Lossy(sys.stdout).write("")
-        os._exit(code)  # without waiting for threads that still calculate
     return code
 
 

@@ -5,7 +5,6 @@ from typing import Any
 
 import moderngl
 
-from gclip.terminal.interrupts import uninterrupted
 from player.errors import PlayerError
 
 # Many drivers return exactly the version that is requested, so the newest is requested first.
@@ -49,7 +48,7 @@ def from_window() -> moderngl.Context:
 
 def _created(**settings: Any) -> moderngl.Context:
     """A context whose `gc` frees what Python has no reference to any more."""
-    context = uninterrupted(moderngl.create_context, **settings)
+    context = moderngl.create_context(**settings)
     context.gc_mode = "context_gc"
     return context
 

@@ -7,7 +7,6 @@ from typing import Any, cast
 import moderngl
 import numpy as np
 
-from gclip.terminal.interrupts import uninterrupted
 from player.errors import PlayerError
 from player.gl.timers import PassTimers
 from shaders import source
@@ -21,9 +20,9 @@ def program(context: moderngl.Context, *files: str, **definitions: int | float) 
     sources = [source(file, **definitions) for file in files]
     try:
         if len(sources) == 1:
-            return uninterrupted(context.compute_shader, *sources)
+            return context.compute_shader(*sources)
         vertex, fragment = sources
-        return uninterrupted(context.program, vertex_shader=vertex, fragment_shader=fragment)
+        return context.program(vertex_shader=vertex, fragment_shader=fragment)
     except moderngl.Error as error:
         lines = [line.strip() for line in str(error).splitlines() if line.strip(" =-")]
         reason = " ".join(lines[:4])[:200]

@@ -35,7 +35,7 @@ def make_and_stop(*arguments):
     return make(*arguments)
 _moderngl.make_uniform = make_and_stop
 signal.signal(signal.SIGINT, signal.default_int_handler)
-sys.exit(main(sys.argv[1:]))
+sys.exit(main())
 """
 
 

@@ -20,6 +20,7 @@ from baker.batch.plant import Outcome, PlantJob
 from baker.batch.workers import process_pool
 from baker.options import Options, Outputs
 from baker.scans.child_process import ChildEnded
+from gclip.terminal.atomic import folder_beside
 from tests.baker.batch.conftest import write_greenhouse
 
 
@@ -41,13 +42,10 @@ def die() -> None:
 
 
 def leave_marker(folder: Path) -> None:
-    """Work for long, and remove what is half done when it ends."""
-    marker = folder / str(os.getpid())
-    marker.touch()
-    try:
+    """Work for long, with a half-written file that is named by the process."""
+    with folder_beside(folder / "clip") as draft:
+        (draft / str(os.getpid())).touch()
         time.sleep(600)
-    finally:
-        marker.unlink()
 
 
 def warn(number: int) -> int:
@@ -202,7 +200,7 @@ def test_plants_have_the_same_bytes_by_any_number_of_workers(tmp_path: Path) -> 
 
 
 def _wait_for_markers(folder: Path, count: int) -> list[int]:
-    while len(markers := list(folder.iterdir())) < count:
+    while len(markers := list(folder.glob(".*/*"))) < count:
         time.sleep(0.05)
     return [int(marker.name) for marker in markers]
 

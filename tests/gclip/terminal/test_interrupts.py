@@ -1,142 +1,122 @@
-"""Stops reach the work wherever it is."""
+"""A stop signal ends a command at once, wherever it is, and no draft is left."""
 
 from __future__ import annotations
 
-import gc
-import importlib
 import os
 import signal
+import subprocess
 import sys
-import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from gclip.terminal.atomic import folder_beside
 from gclip.terminal.command import run
-from gclip.terminal.interrupts import uninterrupted
+
+STOPPED = "bake: stopped; nothing half-written is left behind.\n"
+COMMAND = """
+import os, signal, sys, threading, time
+from pathlib import Path
+from gclip.terminal import atomic
+from gclip.terminal.command import run_app
+import typer
+
+app = typer.Typer()
+
+def ctrl_c():
+    signal.raise_signal(signal.SIGINT)
+
+@app.command()
+def main() -> None:
+{work}
+    time.sleep(60)
+    print("not stopped")
+
+sys.argv[1:] = []
+signal.signal(signal.SIGINT, signal.default_int_handler)
+sys.exit(run_app(app, "bake"))
+"""
 
 
-@pytest.fixture(autouse=True)
-def usual_handler() -> Iterator[None]:
-    """As a command finds it when it starts, whatever other tests have loaded."""
-    before, hook = signal.signal(signal.SIGINT, signal.default_int_handler), sys.unraisablehook
-    yield
-    signal.signal(signal.SIGINT, before)
-    sys.unraisablehook = hook  # which a command that is stopped leaves changed
-
-
-def test_a_stop_that_python_drops_is_sent_again(capsys: pytest.CaptureFixture[str]) -> None:
-    class Dropped:
-        def __del__(self) -> None:
-            signal.raise_signal(signal.SIGINT)
-
-    def work() -> None:
-        Dropped()
-        time.sleep(20)
-
-    assert run("bake", work) == 130
-    assert capsys.readouterr().err == "bake: stopped; nothing half-written is left behind.\n"
-
-
-def test_an_object_whose_creation_is_stopped_is_deleted_without_a_word(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    class HalfMade:
-        def __init__(self) -> None:
-            signal.raise_signal(signal.SIGINT)
-            self.handle = 1
-
-        def __del__(self) -> None:
-            assert self.handle
-
-    def work() -> None:
-        HalfMade()
-
-    sys.unraisablehook = sys.__unraisablehook__  # which prints to stderr
-    assert run("bake", work) == 130
-    gc.collect()
-    assert capsys.readouterr().err == "bake: stopped; nothing half-written is left behind.\n"
-
-
-def test_a_stop_while_a_module_loads_is_not_lost(
-    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "swallows_stops.py").write_text(
-        "import signal\n"
-        "try:\n    signal.raise_signal(signal.SIGINT)\nexcept KeyboardInterrupt:\n    pass\n"
-        "loaded = True\n"
+def stopped(work: str, folder: Path, code: int = 130) -> str:
+    """Run a command that does this until it stops; what it writes to stderr."""
+    lines = "\n".join(f"    {line}" for line in work.splitlines())
+    command = [sys.executable, "-c", COMMAND.replace("{work}", lines)]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(map(str, [*sys.path, folder]))}
+    done = subprocess.run(
+        command, cwd=folder, env=environment, capture_output=True, text=True, timeout=50
     )
-    monkeypatch.syspath_prepend(tmp_path)
-
-    def work() -> None:
-        assert importlib.import_module("swallows_stops").loaded
-        time.sleep(20)
-
-    assert run("bake", work) == 130
-    assert capsys.readouterr().err == "bake: stopped; nothing half-written is left behind.\n"
+    assert (done.returncode, done.stdout) == (code, ""), done.stderr
+    return done.stderr
 
 
-def test_a_stop_while_a_folder_is_made_leaves_none(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    make = os.mkdir
+def test_an_object_being_deleted_does_not_keep_it_from_stopping(tmp_path: Path) -> None:
+    work = "class Dropped:\n    def __del__(self):\n        ctrl_c()\nDropped()"
+    assert stopped(work, tmp_path) == STOPPED
 
-    def make_and_stop(path: str, mode: int) -> None:
-        make(path, mode)
-        signal.raise_signal(signal.SIGINT)
 
-    def work() -> None:
-        with folder_beside(tmp_path / "plant.gclip"):
-            time.sleep(20)
+def test_nor_does_a_module_that_catches_all_exceptions(tmp_path: Path) -> None:
+    (tmp_path / "catches.py").write_text(
+        "import signal\n"
+        "try:\n    signal.raise_signal(signal.SIGINT)\nexcept BaseException:\n    pass\n"
+    )
+    assert stopped("import catches", tmp_path) == STOPPED
 
-    monkeypatch.setattr(os, "mkdir", make_and_stop)
-    assert run("bake", work) == 130
+
+@pytest.mark.parametrize("place", ["os.mkdir", "os.open", "Path.write_text"])
+def test_no_draft_is_left(tmp_path: Path, place: str) -> None:
+    """Also where the signal comes when the folder has just been made."""
+    holder, name = place.split(".")
+    work = f"""
+usual = {place}
+def stopping(*arguments, **named):
+    result = usual(*arguments, **named)
+    if ".part" in str(arguments[0]):
+        ctrl_c()
+    return result
+{holder}.{name} = stopping
+with atomic.atomic_file(Path("plant.gclip")) as part:
+    part.write_text("half")
+    os.close(os.open(part, os.O_RDONLY))
+"""
+    (tmp_path / "plant.gclip").write_text("old")
+    assert stopped(work, tmp_path) == STOPPED
+    assert [path.name for path in tmp_path.iterdir()] == ["plant.gclip"]
+    assert (tmp_path / "plant.gclip").read_text() == "old"
+
+
+def test_threads_that_go_on_writing_leave_nothing(tmp_path: Path) -> None:
+    work = """
+def write(folder, name):
+    while True:
+        (folder / name).write_text("x" * 9)
+        (folder / name).unlink()
+with atomic.folder_beside(Path("plant.gclip")) as folder:
+    for name in "abcd":
+        threading.Thread(target=write, args=(folder, name), daemon=True).start()
+    time.sleep(0.3)
+    ctrl_c()
+"""
+    assert STOPPED in stopped(work, tmp_path)
     assert not any(tmp_path.iterdir())
 
 
-def test_a_stop_waits_for_native_code_that_calls_python() -> None:
-    done = []
-
-    def called_back() -> None:
-        signal.raise_signal(signal.SIGINT)
-        done.append("called back")
-
-    def work() -> None:
-        uninterrupted(called_back)
-        time.sleep(20)
-        done.append("slept")
-
-    assert run("play", work) == 130
-    assert done == ["called back"]
+def test_the_signal_decides_the_exit_code(tmp_path: Path) -> None:
+    assert stopped("signal.raise_signal(signal.SIGTERM)", tmp_path, 143) == STOPPED
 
 
-def test_a_stop_that_waits_until_the_work_is_done_stops_nothing_else() -> None:
-    assert run("play", lambda: uninterrupted(signal.raise_signal, signal.SIGINT)) == 0
-    time.sleep(0.1)
+def test_signals_that_were_ignored_from_the_start_stay_ignored(tmp_path: Path) -> None:
+    code = COMMAND.replace("{work}", "    signal.raise_signal(signal.SIGHUP)").replace("60", "0")
+    command = ["nohup", sys.executable, "-c", code]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "not stopped\n"), done.stderr
 
 
-def test_a_second_stop_does_not_disturb_putting_away(capsys: pytest.CaptureFixture[str]) -> None:
-    away = []
-
-    def work() -> None:
-        try:
-            signal.raise_signal(signal.SIGINT)
-        finally:
-            signal.raise_signal(signal.SIGINT)
-            away.append("put")
-
-    assert run("bake", work) == 130
-    assert away == ["put"]
-
-
-def test_the_signal_decides_the_exit_code(capsys: pytest.CaptureFixture[str]) -> None:
-    before = signal.signal(signal.SIGTERM, signal.SIG_DFL)
+def test_commands_called_from_python_are_interrupted_as_usual(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        assert run("bake", lambda: signal.raise_signal(signal.SIGTERM)) == 143
-        assert signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
-        signal.signal(signal.SIGTERM, signal.SIG_IGN)
-        assert run("bake", lambda: signal.raise_signal(signal.SIGTERM)) == 0
+        assert run("bake", lambda: signal.raise_signal(signal.SIGINT)) == 130
     finally:
-        signal.signal(signal.SIGTERM, before)
+        signal.signal(signal.SIGINT, before)
+    assert capsys.readouterr().err == STOPPED
