@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, overload
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from msgspec import Meta
 from numpy.typing import NDArray
 
 from gclip.errors import ClipError
@@ -31,16 +30,11 @@ from gclip.file import (
 from gclip.schema import (
     CURVES,
     FIELD,
-    MAX_NUMBER,
     OPTIONAL,
+    Document,
     Interval,
-    Number,
-    ScanMark,
-    Text,
     Track,
-    Vector,
     check_buffer,
-    require,
 )
 
 if TYPE_CHECKING:
@@ -59,46 +53,8 @@ class Tracks(dict[str, Track]):
 
 
 @dataclass(frozen=True, repr=False, kw_only=True)
-class Clip:
+class Clip(Document):
     """The animated growth of a plant."""
-
-    scans: Annotated[tuple[ScanMark, ...], Meta(min_length=2)]  #: sorted by time
-    intervals: Annotated[tuple[Interval, ...], Meta(min_length=1)]  #: between successive scans
-    track_table: Annotated[tuple[Track, ...], Meta(min_length=1)]  #: by id
-    up: Annotated[str, Meta(pattern="^-?[xyz]$")] = "z"
-    """x, y, z, -x, -y or -z: the direction of growth in the frame of the input."""
-    unit: Text = ""  #: length unit of the positions, "" where unknown
-    time_unit: Annotated[str, Meta(pattern="^(days|scans)$")] = "days"
-    """"days", or "scans" where only their order is known."""
-    origin: Vector = (0.0, 0.0, 0.0)  #: world position of local zero
-    floor: Number = 0.0  #: local height along `up` at which lost organs come to rest
-    spacing: Annotated[float, Meta(ge=0, le=MAX_NUMBER)] = 0.0
-    """Median distance between neighbouring points."""
-    provenance: dict[str, Any] = field(default_factory=dict)
-    """Options, versions, input digests."""
-    fields: tuple[Text, ...] = ()
-    """Names of the scans' scalars, such as NDVI, whose values the intervals have."""
-    held_out: tuple[ScanMark, ...] = ()
-    """Scans left out of the bake, sorted by time, with positions."""
-
-    def __post_init__(self) -> None:
-        """Raise ValueError where attributes contradict each other."""
-        times, held_out = [[s.time for s in scans] for scans in (self.scans, self.held_out)]
-        require(times == sorted({*times}), "the scans' times do not ascend")
-        require(held_out == sorted({*held_out}), "the times in held_out do not ascend")
-        is_inside = all(times[0] <= time <= times[-1] for time in held_out)
-        require(is_inside, "a time in held_out lies outside the series")
-        bounds = [self.intervals[0].start, *(interval.end for interval in self.intervals)]
-        is_gapless = [interval.start for interval in self.intervals] == bounds[:-1]
-        require(is_gapless, "the intervals do not follow one another without a gap")
-        is_spanned = {*times} <= {*bounds} and (times[0], times[-1]) == (bounds[0], bounds[-1])
-        require(is_spanned, "the intervals do not span the series from scan to scan")
-        count = len(self.track_table)
-        for index, track in enumerate(self.track_table):
-            is_valid = track.parent is None or index != track.parent < count
-            require(is_valid, f"tracks[{index}].parent is {track.parent}, no other track's id")
-        used = max((p.track for i in self.intervals for p in i.segments), default=0)
-        require(used < count, f"a segment's track is {used}; only {count} tracks are named")
 
     @property
     def times(self) -> list[float]:

@@ -95,7 +95,7 @@ class Box:
 
     def __post_init__(self) -> None:
         is_ordered = all(low <= high for low, high in zip(self.low, self.high, strict=True))
-        require(is_ordered, "its low corner lies above its high corner")
+        _require(is_ordered, "its low corner lies above its high corner")
 
     @property
     def step(self) -> NDArray[np.float64]:
@@ -142,12 +142,12 @@ class Interval:
 
     def __post_init__(self) -> None:
         stops = [0, *(group.stop for group in self.groups)]
-        require(self.end - self.start >= MIN_DURATION, "it must end later than it starts")
-        require([g.first for g in self.groups] == stops[:-1], "its groups do not cover its movers")
-        require(stops[-1] > 0, "it holds no movers; at least one is needed")
+        _require(self.end - self.start >= MIN_DURATION, "it must end later than it starts")
+        _require([g.first for g in self.groups] == stops[:-1], "its groups do not cover its movers")
+        _require(stops[-1] > 0, "it holds no movers; at least one is needed")
         if not self.curve:
             return
-        require(len(self.curve) == self.degree + 1, "its curves are of another degree")
+        _require(len(self.curve) == self.degree + 1, "its curves are of another degree")
         points = (3,), np.float32 if self.box is None else np.uint16
         layouts: dict[str, Any] = dict.fromkeys(CURVES[self.degree], points)
         layouts["track"] = (), np.uint16, np.uint32
@@ -156,7 +156,7 @@ class Interval:
             columns, *dtypes = layouts.get(name, ((4,), np.uint8))
             check_buffer(name, buffer, (stops[-1], *columns), *dtypes)
         has_both = (self.start_colors is None) == (self.end_colors is None)
-        require(has_both, "one of its buffers start_color and end_color is missing")
+        _require(has_both, "one of its buffers start_color and end_color is missing")
 
     @property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -175,20 +175,63 @@ class Interval:
         return len(self.tracks)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Document:
+    """The attributes of a clip; those of its intervals and scans that are arrays are buffers."""
+
+    scans: Annotated[tuple[ScanMark, ...], Meta(min_length=2)]  #: sorted by time
+    intervals: Annotated[tuple[Interval, ...], Meta(min_length=1)]  #: between successive scans
+    track_table: Annotated[tuple[Track, ...], Meta(min_length=1)]  #: by id
+    up: Annotated[str, Meta(pattern="^-?[xyz]$")] = "z"
+    """x, y, z, -x, -y or -z: the direction of growth in the frame of the input."""
+    unit: Text = ""  #: length unit of the positions, "" where unknown
+    time_unit: Annotated[str, Meta(pattern="^(days|scans)$")] = "days"
+    """"days", or "scans" where only their order is known."""
+    origin: Vector = (0.0, 0.0, 0.0)  #: world position of local zero
+    floor: Number = 0.0  #: local height along `up` at which lost organs come to rest
+    spacing: Annotated[float, Meta(ge=0, le=MAX_NUMBER)] = 0.0
+    """Median distance between neighbouring points."""
+    provenance: dict[str, Any] = field(default_factory=dict)
+    """Options, versions, input digests."""
+    fields: tuple[Text, ...] = ()
+    """Names of the scans' scalars, such as NDVI, whose values the intervals have."""
+    held_out: tuple[ScanMark, ...] = ()
+    """Scans left out of the bake, sorted by time, with positions."""
+
+    def __post_init__(self) -> None:
+        """Raise ValueError where attributes contradict each other."""
+        times, held_out = [[s.time for s in scans] for scans in (self.scans, self.held_out)]
+        _require(times == sorted({*times}), "the scans' times do not ascend")
+        _require(held_out == sorted({*held_out}), "the times in held_out do not ascend")
+        is_inside = all(times[0] <= time <= times[-1] for time in held_out)
+        _require(is_inside, "a time in held_out lies outside the series")
+        bounds = [self.intervals[0].start, *(interval.end for interval in self.intervals)]
+        is_gapless = [interval.start for interval in self.intervals] == bounds[:-1]
+        _require(is_gapless, "the intervals do not follow one another without a gap")
+        is_spanned = {*times} <= {*bounds} and (times[0], times[-1]) == (bounds[0], bounds[-1])
+        _require(is_spanned, "the intervals do not span the series from scan to scan")
+        count = len(self.track_table)
+        for index, track in enumerate(self.track_table):
+            is_valid = track.parent is None or index != track.parent < count
+            _require(is_valid, f"tracks[{index}].parent is {track.parent}, no other track's id")
+        used = max((p.track for i in self.intervals for p in i.segments), default=0)
+        _require(used < count, f"a segment's track is {used}; only {count} tracks are named")
+
+
 def check_buffer(name: str, buffer: Any, shape: tuple[int, ...], *dtypes: type) -> None:
     """Raise ValueError unless a buffer has this shape, one of the dtypes, and finite positions."""
     needed = f"{' or '.join(np.dtype(dtype).name for dtype in dtypes)} {shape}"
     found = "missing" if buffer is None else f"{buffer.dtype.name} {buffer.shape}"
     is_fitting = buffer is not None and buffer.shape == shape and buffer.dtype.type in dtypes
-    require(is_fitting, f'its buffer "{name}" is {found}; the document needs {needed}')
+    _require(is_fitting, f'its buffer "{name}" is {found}; the document needs {needed}')
     if shape[1:] == (3,) and np.float32 in dtypes and len(buffer):
         # Comparisons with NaN, which is the minimum and maximum of an array with NaN, are False.
         is_bounded = buffer.min() >= -MAX_NUMBER and buffer.max() <= MAX_NUMBER
         found = f"a position that is not finite, or beyond {MAX_NUMBER:g}"
-        require(is_bounded, f'its buffer "{name}" holds {found}')
+        _require(is_bounded, f'its buffer "{name}" holds {found}')
 
 
-def require(condition: bool, message: str) -> None:
+def _require(condition: bool, message: str) -> None:
     """Raise ValueError with this message unless the condition holds."""
     if not condition:
         raise ValueError(message)
