@@ -1,7 +1,5 @@
 """`python -m baker` runs `bake`."""
 
-import sys
-
 from baker.cli import main
 
-sys.exit(main())
+raise SystemExit(main())

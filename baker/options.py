@@ -9,7 +9,7 @@ from typing import Any, Literal, Self, get_args, get_origin, get_type_hints
 from msgspec import to_builtins
 
 from baker.errors import InputError, excerpt, input_errors
-from gclip.corrections import Correction, Corrections, read_corrections
+from corrections import Correction, Corrections, read_corrections
 
 MAX_COORDINATE = 1e12
 DEFAULTS = {"segment": "organs", "paths": "curved"}  # of options that are "auto"

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
 
 LEAVES = 14
 COLORS = ((120, 170, 60), (70, 140, 50), (160, 190, 80), (90, 160, 90))

@@ -28,8 +28,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from baker import Options, bake
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
 from grow import plant
 from grow.series import Plan, write_series
 from traits import Measurement, measure

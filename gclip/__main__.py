@@ -1,7 +1,5 @@
 """`python -m gclip` runs `gclip`."""
 
-import sys
-
 from gclip.cli import main
 
-sys.exit(main())
+raise SystemExit(main())

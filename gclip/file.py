@@ -93,19 +93,10 @@ class Header(Struct):
 
 
 def decode_document(container: Container, kind: type[T]) -> T:
-    """Parse and check a clip's document.
+    """Parse a clip's document and convert it to a dataclass.
 
-    Parameters
-    ----------
-    container : Container
-    kind : type
-        The dataclass to which the document is converted. Its attribute `track_table` is the list
-        `tracks` of the document, with the index of each as its `id`.
-
-    Raises
-    ------
-    ClipError
-        Names the wrong field.
+    Its attribute `track_table` is the document's list `tracks`, with the index of each as its `id`.
+    Raises ClipError, which names the wrong field.
     """
     text = container.text
     # The memory that its values occupy at most, as it was measured for objects, lists and so on.

@@ -12,8 +12,6 @@ import numpy as np
 from msgspec import Meta
 from numpy.typing import NDArray
 
-from gclip.morton import extent
-
 MAX_NUMBER = 1e18  # its square is finite in float32, the precision of a GPU
 MIN_DURATION = 1e-9  # of an interval
 
@@ -26,6 +24,7 @@ CURVES = {
 OPTIONAL = {"start_colors": "start_color", "end_colors": "end_color", "normals": "normals"}
 """Optional attributes of an interval, (N, 4) uint8 -> names of their buffers."""
 FIELD = "field%d"  # name of a buffer, by the index of the field
+BLOCK = 128  # movers that stay together when the blocks of a group are shuffled
 
 Text = Annotated[str, Meta(max_length=1000)]
 Number = Annotated[float, Meta(ge=-MAX_NUMBER, le=MAX_NUMBER)]
@@ -216,6 +215,15 @@ class Document:
             _require(is_valid, f"tracks[{index}].parent is {track.parent}, no other track's id")
         used = max((p.track for i in self.intervals for p in i.segments), default=0)
         _require(used < count, f"a segment's track is {used}; only {count} tracks are named")
+
+
+def extent(*clouds: NDArray[np.floating]) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
+    """The lower and upper corner, (3,) each, of the bounding box of (N, 3) points, N > 0.
+
+    Equivalent to ``points.min(axis=0), points.max(axis=0)``, but thirty times as fast.
+    """
+    low = np.min([[x.min() for x in points.T] for points in clouds], axis=0)
+    return low, np.max([[x.max() for x in points.T] for points in clouds], axis=0)
 
 
 def check_buffer(name: str, buffer: Any, shape: tuple[int, ...], *dtypes: type) -> None:

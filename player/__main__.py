@@ -1,7 +1,5 @@
 """`python -m player` is `play`."""
 
-import sys
-
 from player.cli import main
 
-sys.exit(main())
+raise SystemExit(main())

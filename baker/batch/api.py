@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 from baker.errors import InputError
 from baker.options import Options, parse_corrections
 from baker.pipeline import Progress, bake_recorded
+from corrections import Correction
 from gclip import Clip
-from gclip.corrections import Correction
 
 Attributes = dict[str, Sequence[ArrayLike | None]]
 """Name of an array in an NPZ file, such as "labels" -> that of each scan."""
@@ -49,7 +49,7 @@ def bake(
         The organ of each point, for each scan in memory; or the option of that name.
     colors : sequence of (N, 3) uint8 array or None, or str, optional
         The sRGB colours of each scan in memory; or the option of that name.
-    corrections : path, or sequence of gclip.corrections.Correction, optional
+    corrections : path, or sequence of corrections.Correction, optional
         Corrections to the organs, such as the file that the player's window writes.
     **choices
         Fields of `Options`, such as ``align="none"``.

@@ -62,7 +62,7 @@ class Cache:
     @cached_property
     def _program(self) -> tuple[Any, ...]:
         """The packages, the machine and the code; if one changes, no entry is found."""
-        packages = [Path(__file__).parents[2] / name for name in ("baker", "gclip")]
+        packages = [Path(__file__).parents[2] / name for name in ("baker", "corrections", "gclip")]
         code = [path.read_bytes() for package in packages for path in sorted(package.rglob("*.py"))]
         return software(), platform.machine(), sha256(b"".join(code)).digest()
 

@@ -20,7 +20,7 @@ from baker.report.verification import error_lines
 from baker.scans import Finding
 from baker.scans.scan import TOPICS
 from baker.transport.compile import compile_kernels
-from gclip.corrections import corrections_file
+from corrections import corrections_file
 from gclip.terminal import atomic
 from gclip.terminal.progress import StageProgress
 from gclip.text import Lossy, printable

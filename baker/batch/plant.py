@@ -19,8 +19,8 @@ from baker.report.page import write_report
 from baker.report.verification import HoldoutError, verify
 from baker.scans import Finding
 from baker.scans.read import digest, list_series
+from corrections import corrections_file
 from gclip.clip import Clip
-from gclip.corrections import corrections_file
 from gclip.terminal.command import OUR_FAULT, verdict
 from traits.table import Namer, measure_days, provenance, write_table
 

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.morton import morton_order
 from baker.geometry.parallel import MapLike
-from gclip.morton import morton_order
 
 NEIGHBORS = 10  # enough to include the next segment for points at the border of a segment
 NEIGHBORS_FOR_REACH = 8  # a point's reach is the distance to its 8th neighbour

@@ -17,6 +17,7 @@ from baker.interpolation.organ_shapes import (
     organ_attachments,
     organ_shapes,
 )
+from baker.interpolation.packing import pack_interval
 from baker.interpolation.smoothing import smooth_organs
 from baker.interpolation.timing import Timing, organ_timings
 from baker.matching.leaflets import LeafletPair, match_leaflets
@@ -26,7 +27,6 @@ from baker.transport.correspondences import correspond
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
-from gclip.pack import pack_interval
 
 
 @dataclass(frozen=True)

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from baker.alignment.keyframes import Keyframe
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.organ_motion import OrganMotion
+from baker.interpolation.packing import Movers, elevate_degree
 from baker.interpolation.resampling import with_even_density
 from baker.interpolation.spine import at_levels
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task
 from gclip import Motion, SegmentPair
-from gclip.pack import Movers, elevate_degree
 
 Floats = NDArray[np.floating]
 Indices = NDArray[np.integer]

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.morton import morton_order
+from baker.interpolation.packing import Movers, elevate_degree
 from gclip.evaluate import bernstein
-from gclip.morton import morton_order
-from gclip.pack import Movers, elevate_degree
 from gclip.schema import OPTIONAL
 
 MAX_OVERHANG = 0.35  # distance of a mover from the mean of its group : square root of its area

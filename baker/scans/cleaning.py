@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from baker.geometry.sampling import voxel_size_for
 from baker.scans.scan import Scan
-from gclip.morton import extent
+from gclip.schema import extent
 
 MAX_SAMPLE = 20_000  # points of a scan from which its bounding box is estimated
 MAX_DISTANCE_RATIO = 16  # distance from zero : size of a series, above which its origin is moved

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from gclip.morton import morton_order
+from baker.geometry.morton import morton_order
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree

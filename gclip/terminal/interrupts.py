@@ -8,7 +8,7 @@ from shutil import rmtree
 from typing import NoReturn
 
 STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-ATTEMPTS = 100  # at removing a folder, into which threads may still write
+ATTEMPTS = 100  # at removing folders, into which threads may still write
 
 drafts: set[Path] = set()  #: temporary folders of this process, which are removed if it is stopped
 
@@ -44,9 +44,6 @@ def stop(code: int) -> NoReturn:
 
     Child processes end when they find that nobody listens to them.
     """
-    for folder in [*drafts]:
-        for _ in range(ATTEMPTS):
-            rmtree(folder, ignore_errors=True)
-            if not folder.exists():
-                break
+    for folder in [*drafts] * ATTEMPTS:
+        rmtree(folder, ignore_errors=True)
     os._exit(code)

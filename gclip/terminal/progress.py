@@ -23,16 +23,10 @@ class StageProgress:
         self._console = Console(file=stderr, quiet=quiet, soft_wrap=True)
         self.plain = not (quiet or self._console.is_terminal)  #: lines instead of bars
         self.seconds: dict[str, float] = {}  #: stage -> duration, of the stages that are finished
-        self.bars = Progress(
-            "{task.description:<14}",
-            BarColumn(),
-            MofNCompleteColumn(),
-            TimeRemainingColumn(elapsed_when_finished=True),
-            console=self._console,
-            disable=quiet or self.plain,
-            redirect_stdout=False,
-            redirect_stderr=False,
-        )
+        remaining = TimeRemainingColumn(elapsed_when_finished=True)
+        columns = "{task.description:<14}", BarColumn(), MofNCompleteColumn(), remaining
+        shown: dict[str, Any] = {"console": self._console, "disable": quiet or self.plain}
+        self.bars = Progress(*columns, **shown, redirect_stdout=False, redirect_stderr=False)
         self._stage: str | None = None
         self._task: Any = None
         self._began = time.perf_counter()

@@ -13,7 +13,7 @@ import numpy as np
 
 from gclip import Clip
 from gclip.evaluate import layers_at
-from gclip.morton import BLOCK
+from gclip.schema import BLOCK
 from player.gl.framebuffer import TILE, GBuffer, draw_into, framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.ground import Ground

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.evaluate import locate, positions_on_curve
-from gclip.morton import morton_codes
 
 SAMPLES = 1500  # places on the surface that are tested
 NEIGHBORS = 48
 COVERED = 0.95  # share of the surface that splats have to cover
+TINY = 1e-30  # so that a single point is divided by something
 MOST = 40_000  # points of a scan that are used, so that pictures need not wait
 
 
@@ -69,7 +69,9 @@ class ClosingDistances:
 
 def distinct(points: NDArray[np.floating]) -> NDArray[np.floating]:
     """Those of (N, 3) points that differ, N at least 1."""
-    return points[np.unique(morton_codes(points), return_index=True)[1]]
+    places = (points - points.min(axis=0)) / (np.ptp(points) + TINY)  # in [0, 1]
+    keys = (places * (2**21 - 1)).astype(np.uint64) @ np.array([1, 2**21, 2**42], np.uint64)
+    return points[np.unique(keys, return_index=True)[1]]
 
 
 def closing_distance(points: NDArray[np.floating]) -> float:

@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from gclip.corrections import Correction, Place
+from corrections import Correction, Place
 from player.view.choices import sentence
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Self
 
-from gclip.corrections import Correction
+from corrections import Correction
 
 SIZES: tuple[tuple[int, int] | None, ...] = (
     None,

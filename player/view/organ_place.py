@@ -6,8 +6,8 @@ from contextlib import suppress
 import numpy as np
 from numpy.typing import NDArray
 
+from corrections import Place
 from gclip import Clip
-from gclip.corrections import Place
 from player.view.camera import Camera
 
 UNDER_CURSOR = 0.02  # of the picture's height: what is nearest to the eye within it was clicked

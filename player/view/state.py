@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Self
 
+from corrections import Place
 from gclip import Clip
-from gclip.corrections import Place
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
 from player.view.choices import Compare, Edits, Output, Wish

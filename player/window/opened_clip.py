@@ -9,8 +9,8 @@ from typing import Self
 from msgspec import ValidationError, convert
 
 import gclip
+from corrections import Correction, corrections_file, read_corrections, write_corrections
 from gclip import Clip
-from gclip.corrections import Correction, corrections_file, read_corrections, write_corrections
 from gclip.errors import UserError
 from player.view.choices import Edits
 from player.view.state import Scene

@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import moderngl
 
+from corrections import Place
 from gclip import Clip
-from gclip.corrections import Place
 from player.gl.framebuffer import framebuffer, textures_of
 from player.gl.shader import Passes
 from player.gl.timers import PassTimers

@@ -19,8 +19,8 @@ from pathlib import Path
 
 from tests.gclip.fuzz_atheris import fuzz, is_missing, parser
 
-INSTRUMENTED = ["baker.scans", "gclip.corrections", "player.view", "player.window.settings"]
-MODULES = ["baker.scans.read", "gclip.corrections", "player.window.settings"]
+INSTRUMENTED = ["baker.scans", "corrections", "player.view", "player.window.settings"]
+MODULES = ["baker.scans.read", "corrections", "player.window.settings"]
 MODULES += [f"baker.scans.formats.{name}" for name in ("ply", "pcd", "text", "arrays")]
 
 

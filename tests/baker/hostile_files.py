@@ -209,7 +209,7 @@ def _reading(kind: str, path: Path) -> Callable[[], None]:
         scans = tuple(path.parent / name for name in ("a.xyz", "b.xyz"))
         return lambda: schedule_scans(scans, path) and None
     if kind == "corrections":
-        from gclip.corrections import read_corrections
+        from corrections import read_corrections
 
         return lambda: read_corrections(path) and None
     if kind == "view path":
@@ -229,8 +229,8 @@ def _reading(kind: str, path: Path) -> Callable[[], None]:
 
 @cache
 def _clip() -> Any:
+    from baker.interpolation.packing import Movers, pack_interval
     from gclip import Clip, Motion, Track
-    from gclip.pack import Movers, pack_interval
     from gclip.schema import ScanMark
 
     movers = Movers(Motion.MOVE, (np.eye(3), np.eye(3) + 1), np.zeros(3, int))

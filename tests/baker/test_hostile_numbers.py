@@ -15,6 +15,7 @@ from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.movers import mid_area
 from baker.interpolation.organ_motion import fit_motion
 from baker.interpolation.organ_shapes import OrganShape
+from baker.interpolation.packing import Movers
 from baker.interpolation.resampling import (
     position_at,
     with_even_density,
@@ -31,7 +32,6 @@ from baker.transport.correspondences import largest_entries
 from baker.transport.problem import TransportOptions
 from baker.transport.solve import solve, wasserstein
 from gclip import Motion
-from gclip.pack import Movers
 from tests.baker.hostile_series import ROUGH, SHAPES, Scan
 from tests.baker.series import series_of
 

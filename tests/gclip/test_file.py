@@ -12,8 +12,8 @@ from safetensors import safe_open
 from safetensors.numpy import save_file
 
 import gclip
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Motion
-from gclip.pack import Movers, pack_interval
 
 
 @pytest.mark.parametrize("degree", [1, 2, 3])

@@ -20,9 +20,9 @@ import pytest
 from PIL import Image
 
 import gclip
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.evaluate import linear_to_srgb
-from gclip.pack import Movers, pack_interval
 from tests.gclip.hostile import hostile
 
 ROOT = Path(__file__).parents[2]

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import gclip
-from gclip.pack import Movers, pack_interval
+from baker.interpolation.packing import Movers, pack_interval
 
 ROOT = Path(__file__).parents[2]
 PLUGIN = ROOT / "integrations/napari"

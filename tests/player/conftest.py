@@ -9,8 +9,8 @@ import moderngl
 import numpy as np
 import pytest
 
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
 from player.gl.context import headless
 from tests.player.shown import SIZE, Shown, small_clip
 

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
 from player.ui.timeline import Line
 
 SIZE = (640, 480)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from baker import Options, bake
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
 from grow import plant
 from grow.series import Plan, write_series
 from traits import measure, organs

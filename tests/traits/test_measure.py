@@ -12,8 +12,8 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from baker import Options, bake
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
 from grow import plant
 from grow.series import Plan, write_series
 from traits import measure, measure_days, write_table

@@ -11,11 +11,11 @@ from baker.alignment.keyframes import Keyframe
 from baker.interpolation.movers import OrganPaths, carried_deviations, moving
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import organ_shapes
+from baker.interpolation.packing import Movers
 from baker.matching.match import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task
-from gclip.pack import Movers
 from tests.baker.interpolation.shapes import leaf, sample
 
 COUNT = 600

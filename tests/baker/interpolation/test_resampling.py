@@ -7,13 +7,13 @@ import pytest
 
 from baker import Options, bake
 from baker.interpolation.movers import mid_area
+from baker.interpolation.packing import Movers, elevate_degree
 from baker.interpolation.resampling import (
     MAX_OVERHANG,
     position_at,
     with_even_density,
 )
 from gclip import Motion
-from gclip.pack import Movers, elevate_degree
 
 
 def filled(movers, area, growth, start_points=None, end_points=None):

@@ -14,8 +14,8 @@ import gclip
 from baker import InputError, bake
 from baker.cli import main
 from baker.matching.corrections import PointCorrection, with_corrected_organs
+from corrections import Correction, Place, write_corrections
 from gclip import Clip
-from gclip.corrections import Correction, Place, write_corrections
 from traits import Namer, write_table
 
 PLAIN = {"align": "none", "up": "z", "paths": "straight", "workers": 1}

@@ -28,8 +28,8 @@ def player_draws(tmp_path_factory) -> None:
     """Skip where the player has no OpenGL to draw with."""
     import numpy as np
 
+    from baker.interpolation.packing import Movers, pack_interval
     from gclip import Motion, ScanMark, Track
-    from gclip.pack import Movers, pack_interval
 
     points = np.random.default_rng(0).random((50, 3))
     movers = Movers(Motion.MOVE, (points, points), np.zeros(50, int))

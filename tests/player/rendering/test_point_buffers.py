@@ -8,10 +8,10 @@ import moderngl
 import numpy as np
 import pytest
 
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion
 from gclip.evaluate import layers_at
-from gclip.morton import BLOCK
-from gclip.pack import Movers, pack_interval
+from gclip.schema import BLOCK
 from player.gl.gpu_memory import total
 from player.rendering import point_buffers
 from player.rendering.point_buffers import DrawRange, PointBuffers, bytes_per_point

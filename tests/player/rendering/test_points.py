@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import player.rendering.renderer
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
 from player.rendering.points import RasterBackend
 from player.view.style import Style
 from tests.player.drawn import Picture, camera_at, drawn

@@ -13,9 +13,9 @@ import pytest
 
 import player.gl.framebuffer
 import player.rendering.renderer
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion
 from gclip.evaluate import LITTER_FADE, blend_srgb
-from gclip.pack import Movers, pack_interval
 from player.gl.context import headless
 from player.gl.framebuffer import TILE
 from player.rendering.renderer import Renderer

@@ -8,8 +8,8 @@ import numpy as np
 
 from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.surface import covariances, surface_normals
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
 from player.rendering.headless import Offscreen
 from player.view.style import Style
 from tests.player.drawn import fitted

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from gclip.corrections import Place
+from corrections import Place
 from player.ui import actions, keys
 from player.ui.actions import QUIT_NEXT
 from player.view.camera import Camera

@@ -6,7 +6,7 @@ from dataclasses import replace
 import moderngl
 import pytest
 
-from gclip.corrections import Correction, Place
+from corrections import Correction, Place
 from player.ui import keys
 from player.view.camera_animation import CameraPath
 from player.view.choices import Compare, Edits

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from gclip.pack import Movers, pack_interval
 from player.view.colors import Colors
 from player.view.style import ColorMap, Style
 from traits.growth_rate import growth_rates

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 import gclip
 from baker.cli import main as bake
-from gclip.corrections import corrections_file, read_corrections
+from corrections import corrections_file, read_corrections
 from player.view.camera import Camera
 from tests.player.shown import SIZE, Shown
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 import gclip
-from gclip.corrections import Correction, corrections_file, read_corrections, write_corrections
+from corrections import Correction, corrections_file, read_corrections, write_corrections
 from player.ui import actions, keys
 from player.view.camera import Camera
 from player.view.organ_place import organ_place

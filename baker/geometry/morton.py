@@ -3,20 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
-BLOCK = 128  # points that stay together when the blocks are shuffled
+from gclip.schema import BLOCK, extent
+
 # Shifts and masks that spread the 21 lowest bits to every third bit.
 SPREAD = [(32, 0x1F00000000FFFF), (16, 0x1F0000FF0000FF), (8, 0x100F00F00F00F00F)]
 SPREAD += [(4, 0x10C30C30C30C30C3), (2, 0x1249249249249249)]
 MIN_SIZE = 1e-30  # of the bounding box, so that its reciprocal is finite in float32
-
-
-def extent(*clouds: NDArray[np.floating]) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
-    """The lower and upper corner, (3,) each, of the bounding box of (N, 3) points, N > 0.
-
-    Equivalent to ``points.min(axis=0), points.max(axis=0)``, but thirty times as fast.
-    """
-    low = np.min([[x.min() for x in points.T] for points in clouds], axis=0)
-    return low, np.max([[x.max() for x in points.T] for points in clouds], axis=0)
 
 
 def morton_codes(points: NDArray[np.floating]) -> NDArray[np.uint64]:

@@ -7,8 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from corrections import Correction, Place, read_corrections, write_corrections
 from gclip import UserError
-from gclip.corrections import Correction, Place, read_corrections, write_corrections
 
 TEXT = st.text(st.characters(exclude_categories=["Cs"]), max_size=20)
 NUMBER = st.floats(-1e6, 1e6).map(lambda number: float(f"{number:.9g}"))

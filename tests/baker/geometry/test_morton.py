@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from gclip.morton import block_shuffle, extent, morton_codes, morton_order
+from baker.geometry.morton import block_shuffle, morton_codes, morton_order
+from gclip.schema import extent
 
 
 @pytest.mark.parametrize("count", [1, 2, 3, 64, 1000, 65_536])

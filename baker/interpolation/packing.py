@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.morton import block_shuffle, extent
-from gclip.schema import OPTIONAL, Box, Group, Interval, Motion, SegmentPair
+from baker.geometry.morton import block_shuffle
+from gclip.schema import OPTIONAL, Box, Group, Interval, Motion, SegmentPair, extent
 
 LEVELS = 65535  # quantisation levels along each axis of the box
 MAX_STEP = 0.01  # of quantisation, as a share of the point spacing

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Motion
-from gclip.morton import BLOCK
-from gclip.pack import Movers, pack_interval
+from gclip.schema import BLOCK
 
 
 def pack(points: np.ndarray, spacing: float, **more):
@@ -57,8 +57,8 @@ def test_track_ids_widen_when_they_must(count):
 
 
 def test_raising_the_degree_changes_no_curve():
+    from baker.interpolation.packing import elevate_degree
     from gclip.evaluate import bernstein
-    from gclip.pack import elevate_degree
 
     curve = tuple(np.random.default_rng(0).random((3, 5, 3)))
     for low in (1, 2):
