@@ -82,8 +82,9 @@ def bake_plants(
         except Exception as error:  # not of `bake_plant`, which returns its own
             reason = str(error).partition(". ")[0]
             sentence = (
-                f"its worker was killed ({reason}); most likely the scans need more memory than "
-                "there is: try fewer points (--voxel, --resample) or fewer processes (--workers)."
+                f"its worker ended without a result ({reason}); most likely the scans need more "
+                "memory than there is: try fewer points (--voxel, --resample) or fewer processes "
+                "(--workers)."
             )
             outcome = Outcome(job.name, "failed", code=OUR_FAULT, error=sentence)
         yield outcome
