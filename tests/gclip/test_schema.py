@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -194,3 +195,15 @@ def test_documents_are_of_bounded_depth() -> None:
     assert read(nested(30)).provenance
     with pytest.raises(gclip.ClipError, match="its document is nested more than 32 levels deep"):
         read(nested(31))
+
+
+def test_a_clip_that_contradicts_itself_cannot_be_made(make_clip: Any) -> None:
+    clip = make_clip()
+    for wrong, words in (
+        ({"scans": clip.scans[:2]}, "do not span the series"),
+        ({"scans": clip.scans[::-1]}, "do not ascend"),
+        ({"intervals": clip.intervals[::-1]}, "without a gap"),
+        ({"track_table": (replace(clip.track_table[0], parent=7),)}, "no other track's id"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            replace(clip, **wrong)
