@@ -1,10 +1,10 @@
-"""Many small plants through a cluster: `python -m bench.greenhouse [--plants 500] [--workers 2]`.
+"""Throughput and memory of a cluster: `python -m bench.greenhouse [--plants 500] [--workers 2]`.
 
-Grows tiny plants (three scans of about 300 points), starts a scheduler and workers as processes of
-their own, and bakes all plants with `bake --cluster`. Printed are plants a second, the processor
-time a plant takes on the workers, and the memory (RSS) of each worker, of the scheduler and of the
-command at the start (a tenth of the plants done), in the middle and at the end. Fails if a clip is
-missing, can't be opened, or a worker's memory grew by more than a tenth from the start to the end.
+Grows small plants (three scans of about 300 points), starts a scheduler and workers as processes of
+their own, and bakes all plants by `bake --cluster`. Prints the plants per second, the processor
+time per plant, and the memory (RSS) of workers, scheduler and command after a tenth, a half and all
+of the plants. Fails if a clip is missing or cannot be opened, or if a worker's memory grows by more
+than a tenth from the first to the last of these points.
 """
 
 from __future__ import annotations
@@ -27,42 +27,49 @@ from baker.scans import Series, read_series
 from grow.series import Plan, write_series
 
 KINDS = ("maize", "tomato", "tree")
-GROWN = 9  # plants; the others are these, turned
-MARKS = (0.1, 0.5, 1.0)
-MAX_GROWTH = 1.1
+DISTINCT = 9  # number of plants that are grown; the others are rotated copies
+MARKS = (0.1, 0.5, 1.0)  # shares of the plants after which memory is measured
+MAX_GROWTH = 1.1  # factor on a worker's memory between the first and the last mark
 
 
 def grow_plants(house: Path, plants: int, scans: int, points: int) -> None:
-    """Write plants into folders of their own below `house`; each is another one turned."""
+    """Write scans of plants into folders below `house`.
+
+    Parameters
+    ----------
+    house : Path
+    plants, scans, points : int
+        Number of plants, of scans of each plant, and of points of each scan.
+    """
     grown: list[Series] = []
     for number in range(plants):
         kind = KINDS[number % len(KINDS)]
         folder = house / f"{kind}{number:05d}"
-        if number < GROWN:
+        if number < DISTINCT:
             write_series(Plan(kind, number, scans, points=(points, points)), folder)
             grown.append(read_series([folder]))
             continue
         folder.mkdir()
         sine, cosine = np.sin(number), np.cos(number)
-        turn = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
-        for scan in grown[number % GROWN].scans:
-            table = np.column_stack([scan.points @ turn.T, scan.labels])
+        rotation = np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]])
+        for scan in grown[number % DISTINCT].scans:
+            table = np.column_stack([scan.points @ rotation.T, scan.labels])
             np.savetxt(folder / f"{Path(scan.name).stem}.txt", table, fmt="%.3f %.3f %.3f %d")
 
 
 @contextmanager
-def started(workers: int, folder: Path) -> Iterator[tuple[str, dict[str, int]]]:
-    """A scheduler and workers as processes; its address, and their process ids by name."""
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+def cluster(workers: int, folder: Path) -> Iterator[tuple[str, dict[str, int]]]:
+    """Run a scheduler and workers; yields the address, and the process ids by name."""
+    with socket.socket() as probe:  # finds a free port
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
     address = f"tcp://127.0.0.1:{port}"
     commands = {"scheduler": ["dask_scheduler", "--host", "127.0.0.1", "--port", str(port)]}
     for number in range(workers):
         commands[f"worker {number}"] = ["dask_worker", address, "--nthreads", "1", "--no-nanny"]
     quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
     path = os.pathsep.join([os.getcwd(), os.environ.get("PYTHONPATH", "")])
-    # The profiler keeps call stacks of the last hour: memory that grows for an hour.
+    # The workers' profiler keeps call stacks of the last hour; memory would grow for an hour.
     profiler = {"DASK_DISTRIBUTED__WORKER__PROFILE__ENABLED": "False"}
     environment = {**os.environ, **profiler, "OMP_NUM_THREADS": "1", "PYTHONPATH": path}
     processes = {}
@@ -78,13 +85,13 @@ def started(workers: int, folder: Path) -> Iterator[tuple[str, dict[str, int]]]:
 
 
 def memory(pid: int) -> float:
-    """Resident megabytes."""
+    """Resident memory of a process in megabytes."""
     pages = int(Path(f"/proc/{pid}/statm").read_text().split()[1])
     return pages * os.sysconf("SC_PAGE_SIZE") / 1e6
 
 
-def processor(pid: int) -> float:
-    """Seconds of processor time so far."""
+def processor_seconds(pid: int) -> float:
+    """Processor time of a process so far, in seconds."""
     ticks = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[11:13]
     return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
 
@@ -95,33 +102,40 @@ def main() -> None:
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--scans", type=int, default=3)
     parser.add_argument("--points", type=int, default=300, help="of each scan")
-    parser.add_argument("--align", default="auto", help="as of bake; none is several times faster")
+    parser.add_argument(
+        "--align", default="auto", help="option of bake; none is several times faster"
+    )
     arguments = parser.parse_args()
     with ExitStack() as stack:
         scratch = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         house, clips = scratch / "house", scratch / "clips"
         grow_plants(house, arguments.plants, arguments.scans, arguments.points)
-        address, pids = stack.enter_context(started(arguments.workers, scratch))
+        address, pids = stack.enter_context(cluster(arguments.workers, scratch))
         command = [sys.executable, "-m", "baker", str(house), "-o", f"{clips}/", "-q"]
         began = time.perf_counter()
         bake = subprocess.Popen([*command, "--align", arguments.align, "--cluster", address])
         pids["bake"] = bake.pid
-        seen = watch(bake, clips, pids, arguments.plants)
+        memories = watch(bake, clips, pids, arguments.plants)
         wall = time.perf_counter() - began
         if bake.wait():
             raise SystemExit("the bake failed")
-        spent = {name: processor(pid) for name, pid in pids.items() if name != "bake"}
-        whole = [gclip.open(path) for path in sorted(clips.iterdir())]
-        each = {name: seconds / len(whole) for name, seconds in spent.items()}
+        spent = {name: processor_seconds(pid) for name, pid in pids.items() if name != "bake"}
+        baked = [gclip.open(path) for path in sorted(clips.iterdir())]
+        per_plant = {name: seconds / len(baked) for name, seconds in spent.items()}
+        scheduler = per_plant.pop("scheduler")
         print(
-            f"{len(whole)} of {arguments.plants} plants in {wall:.1f} s: {len(whole) / wall:.2f} a "
-            f"second; of processor each {sum(each.values()) - each['scheduler']:.3f} s by workers, "
-            f"{each['scheduler']:.4f} s by the scheduler"
+            f"{len(baked)} of {arguments.plants} plants in {wall:.1f} s, {len(baked) / wall:.2f} a "
+            f"second; processor time per plant: workers {sum(per_plant.values()):.3f} s, scheduler "
+            f"{scheduler:.4f} s"
         )
-        if len(whole) != arguments.plants:
+        if len(baked) != arguments.plants:
             raise SystemExit("plants were lost")
-    first, last = seen[MARKS[0]], seen[MARKS[-1]]
-    grown = [name for name in first if name[0] == "w" and last[name] > MAX_GROWTH * first[name]]
+    first, last = memories[MARKS[0]], memories[MARKS[-1]]
+    grown = [
+        name
+        for name in first
+        if name.startswith("worker") and last[name] > MAX_GROWTH * first[name]
+    ]
     if grown:
         raise SystemExit(f"memory grew: {', '.join(grown)}")
 
@@ -129,16 +143,23 @@ def main() -> None:
 def watch(
     bake: subprocess.Popen, clips: Path, pids: dict[str, int], plants: int
 ) -> dict[float, dict[str, float]]:
-    """Print and return each process's memory when so many plants are done."""
-    seen: dict[float, dict[str, float]] = {}
+    """Measure the memory of processes while plants are baked.
+
+    Returns
+    -------
+    dict
+        For each of MARKS the megabytes of each process by its name.
+    """
+    memories: dict[float, dict[str, float]] = {}
     for mark in MARKS:
         while bake.poll() is None and sum(1 for _ in clips.glob("*.gclip")) < mark * plants:
             time.sleep(0.05)
         if bake.poll() is None:
-            seen[mark] = {name: memory(pid) for name, pid in pids.items()}
-            line = ", ".join(f"{name} {found:.0f} MB" for name, found in seen[mark].items())
+            memories[mark] = {name: memory(pid) for name, pid in pids.items()}
+            sizes = (f"{name} {size:.0f} MB" for name, size in memories[mark].items())
+            line = ", ".join(sizes)
             print(f"{mark:4.0%} done: {line}", flush=True)
-    return seen
+    return memories
 
 
 if __name__ == "__main__":

@@ -1,13 +1,13 @@
-"""The paper's Table 1, run again: `python -m bench.paper [ROW ...] [--runs N]`.
+"""Times of the paper's Table 1: `python -m bench.paper [ROW ...] [--runs N]`.
 
-For every row a stand-in of the same size is grown and baked with `--paper` choices and with ours;
-the plain numpy/scipy recipe (bench/recipe.py) runs on the same scans. Seconds of segmentation, and
-of matching and transport; the paper's were taken on another machine. The last columns are of whole
-processes: the recipe, from its start to the pairs on disk, on one thread; a `bake` with our
-choices, from its start to the clip on disk; and how many times as long the recipe takes. A bake is
-run twice, for while the recipe works the system may put the bake's libraries out of its memory, and
-would read them from the disk. With `--runs` these take turns N times. The best of each counts:
-other work can only take time.
+For every row a plant of the same size is grown, and baked with `--paper` and with default options;
+the plain numpy/scipy recipe (bench/recipe.py) runs on the same scans. Printed are the seconds of
+segmentation, and of matching and transport; those of the paper were measured on another machine.
+
+The last columns are of whole processes, from their start to the result on disk: the recipe on one
+thread, `bake` with default options, and the ratio of these times. With `--runs`, both run in turns
+N times, and the fastest run of each counts, since other load can only add time. Each turn bakes
+twice, because the system may have evicted the libraries of `bake` from memory during the recipe.
 """
 
 from __future__ import annotations
@@ -27,26 +27,30 @@ import numpy as np
 from baker import Options, bake
 from grow.cli import main as grow
 
-ALIGNED = {"align": "none", "up": "z"}
+ALIGNED = {"align": "none", "up": "z"}  # options for scans in common coordinates
 
 
 @dataclass(frozen=True)
 class Row:
-    """One line of Table 1: who writes its scans, how they are baked, and the paper's seconds."""
+    """A row of Table 1."""
 
     name: str
-    write: Callable[[Path], None]
-    options: dict
-    paper_segmentation: str
-    paper_transport: str
+    write: Callable[[Path], None]  #: writes scans into a folder
+    options: dict  #: of the bake
+    paper_segmentation: str  #: seconds in the paper, "-" if there are none
+    paper_transport: str  #: seconds of matching and transport in the paper
 
 
-def maize(folder: Path) -> None:
+def write_maize(folder: Path) -> None:
+    """Write scans of a maize plant."""
     grow(["maize", str(folder), "--unlabelled", "-q"])
 
 
-def cropped(folder: Path, backwards: bool = False) -> None:
-    """A maize of 5,080 points, and the same without one leaf: 4,100 points."""
+def write_cropped(folder: Path, backwards: bool = False) -> None:
+    """Write a maize plant without one leaf (4,100 points), and the whole plant (5,080 points).
+
+    backwards: whether to write the whole plant first.
+    """
     from grow import plant
 
     cloud = plant("maize").cloud(14.0, points=60_000)
@@ -54,40 +58,43 @@ def cropped(folder: Path, backwards: bool = False) -> None:
     sizes = np.bincount(labels)
     leaf = int(np.argmin(np.abs(sizes[1:] / sizes.sum() - 980 / 5080))) + 1
     rng = np.random.default_rng(0)
-    rest = rng.choice(np.flatnonzero(labels != leaf), 4100, replace=False)
-    whole = np.r_[rest, rng.choice(np.flatnonzero(labels == leaf), 980, replace=False)]
+    cropped = rng.choice(np.flatnonzero(labels != leaf), 4100, replace=False)
+    whole = np.r_[cropped, rng.choice(np.flatnonzero(labels == leaf), 980, replace=False)]
     folder.mkdir()
-    for day, kept in enumerate((whole, rest) if backwards else (rest, whole)):
-        np.savetxt(folder / f"day{day}.txt", cloud.points[kept], fmt="%.4f")
+    for day, scan in enumerate((whole, cropped) if backwards else (cropped, whole)):
+        np.savetxt(folder / f"day{day}.txt", cloud.points[scan], fmt="%.4f")
 
 
-def tree1(folder: Path) -> None:
+def write_tree1(folder: Path) -> None:
+    """Write scans of the paper's synthetic tree 1."""
     grow(["tree1", str(folder), "--unlabelled", "-q"])
 
 
-def tree2(folder: Path) -> None:
+def write_tree2(folder: Path) -> None:
+    """Write scans of the paper's synthetic tree 2, which have labels."""
     grow(["tree2", str(folder), "-q"])
 
 
-def komatsuna(folder: Path) -> None:
+def write_komatsuna(folder: Path) -> None:
+    """Write scans of a komatsuna plant, which have labels."""
     grow(["komatsuna", str(folder), "-q"])
 
 
-THIN = {"labels": "ignore", **ALIGNED}
-GIVEN = {"labels": "consistent", **ALIGNED}
+SEGMENTED = {"labels": "ignore", **ALIGNED}  # options for scans without labels
+LABELLED = {"labels": "consistent", **ALIGNED}  # options for scans with labels
 ROWS = [
-    Row("maize, 8 scans", maize, THIN, "12.1", "50"),
-    Row("cropped maize, grows", cropped, THIN, "3", "6"),
-    Row("cropped maize, falls", lambda f: cropped(f, backwards=True), THIN, "3", "6"),
-    Row("synthetic tree 1", tree1, THIN, "4.2", "42"),
-    Row("synthetic tree 2", tree2, GIVEN, "-", "88"),
-    Row("komatsuna, 60 frames", komatsuna, GIVEN, "-", "105"),
-    Row("komatsuna, every 10th", komatsuna, {**GIVEN, "every": 10}, "-", "8"),
+    Row("maize, 8 scans", write_maize, SEGMENTED, "12.1", "50"),
+    Row("cropped maize, grows", write_cropped, SEGMENTED, "3", "6"),
+    Row("cropped maize, falls", lambda f: write_cropped(f, backwards=True), SEGMENTED, "3", "6"),
+    Row("synthetic tree 1", write_tree1, SEGMENTED, "4.2", "42"),
+    Row("synthetic tree 2", write_tree2, LABELLED, "-", "88"),
+    Row("komatsuna, 60 frames", write_komatsuna, LABELLED, "-", "105"),
+    Row("komatsuna, every 10th", write_komatsuna, {**LABELLED, "every": 10}, "-", "8"),
 ]
 
 
 def time_bake(folder: Path, options: Options) -> tuple[dict[str, float], int]:
-    """Seconds of each stage of a bake, and the points baked."""
+    """Bake in this process; returns the seconds of each stage, and the number of points."""
     seconds: dict[str, float] = {}
     stage, began = "", time.perf_counter()
 
@@ -104,7 +111,7 @@ def time_bake(folder: Path, options: Options) -> tuple[dict[str, float], int]:
 
 
 def time_process(folder: Path, options: dict) -> float:
-    """Seconds of a whole `bake`, from nothing to the clip on disk."""
+    """Seconds of a process of `bake`, from its start to the clip on disk."""
     arguments = [f"--{name}={value}" for name, value in options.items()]
     command = [sys.executable, "-m", "baker", str(folder), "-q", *arguments]
     began = time.perf_counter()
@@ -113,32 +120,34 @@ def time_process(folder: Path, options: dict) -> float:
 
 
 @dataclass(frozen=True)
-class Plain:
-    """Seconds of the recipe: of segmentation, of matching and transport, of the whole process."""
+class RecipeTimes:
+    """Seconds of the plain recipe."""
 
     segmentation: float
-    transport: float
-    whole: float
+    transport: float  #: matching and transport
+    whole: float  #: the whole process
 
 
-def time_recipe(folder: Path, options: dict) -> Plain:
-    """The plain recipe on one thread, from nothing to the pairs on disk."""
+def time_recipe(folder: Path, options: dict) -> RecipeTimes:
+    """Run the plain recipe on one thread in a process of its own."""
     arguments = [f"--{name}={options[name]}" for name in ("labels", "every") if name in options]
     command = [sys.executable, "-m", "bench.recipe", str(folder), str(folder.parent / "pairs.npz")]
-    alone = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
+    one_thread = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL")}
     began = time.perf_counter()
     done = subprocess.run(
-        [*command, *arguments], check=True, env={**os.environ, **alone}, capture_output=True
+        [*command, *arguments], check=True, env={**os.environ, **one_thread}, capture_output=True
     )
     whole = time.perf_counter() - began
     segmentation, transport = map(float, done.stdout.split())
-    return Plain(segmentation, transport, whole)
+    return RecipeTimes(segmentation, transport, whole)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("rows", nargs="*", help="parts of rows' names; all by default")
-    parser.add_argument("--runs", type=int, default=1, help="of recipe and whole bake, best counts")
+    parser.add_argument(
+        "--runs", type=int, default=1, help="turns of recipe and bake, of which the fastest counts"
+    )
     arguments = parser.parse_args()
     if arguments.runs < 1:
         parser.error(f"--runs is {arguments.runs}; it is 1 or more.")
@@ -167,7 +176,7 @@ def main() -> None:
                 bakes += [time_process(folder, row.options) for _ in range(2)]
             paper, points = time_bake(folder, Options(paper=True, **row.options))
             ours, _ = time_bake(folder, Options(**row.options))
-        plain, whole = min(recipes, key=lambda one: one.whole), min(bakes)
+        plain, whole = min(recipes, key=lambda times: times.whole), min(bakes)
         cells = [
             f"{row.paper_segmentation} / {row.paper_transport}",
             f"{plain.segmentation:.1f} / {plain.transport:.1f}",

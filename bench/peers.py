@@ -1,13 +1,13 @@
-"""A million animated points: this player against others, each in its usual way.
+"""Frame times of animated points in this player and in other libraries.
 
     python -m bench.peers [--points 1000000] [--size 1280x720] [--frames 7] [--only NAME,...]
 
-Every peer draws the same plant on the same curves from the same side, as plain points, and gives
-its picture back as an array; it blends the positions with numpy and hands them over as its own
-documentation does. Each runs in a process of its own and is skipped, by name, where it isn't
-installed or has no display. Wall seconds are medians; CPU seconds, the best of the frames, of the
-whole process: they say more where other work goes on. Without a GPU all draw with Mesa's llvmpipe
-(pygfx with its lavapipe): LIBGL_ALWAYS_SOFTWARE=1 makes sure of it.
+Every library draws the same plant from the same camera as plain points, and returns the picture as
+an array. The positions of a frame are interpolated with numpy, and passed to the library as its
+documentation recommends. Each library runs in a process of its own, and is skipped if it is not
+installed or has no display. Wall times are medians over the frames. CPU times are the least of the
+frames, over all threads of the process; they depend less on other load. Without a GPU, all of them
+draw with Mesa's llvmpipe (pygfx with its lavapipe), which LIBGL_ALWAYS_SOFTWARE=1 enforces.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from bench.synthetic import growing
 from gclip.evaluate import bernstein
 from player.view.camera import Camera
 
-Draw = Callable[[float], NDArray]
-PIXELS = 2  # a point's diameter in the peers' pictures
-FIELD = 28.0  # of view, degrees
+Draw = Callable[[float], NDArray]  # draws a share of the interval, and returns the picture
+POINT_SIZE = 2  # diameter of points in pixels, except in this player
+FIELD_OF_VIEW = 28.0  # degrees
 
 
 class Plant:
-    """The points and their view, as the peers want them."""
+    """Curves and colours of the points, and the camera."""
 
     def __init__(self, count: int, size: tuple[int, int]) -> None:
         self.size = size
@@ -50,6 +50,7 @@ class Plant:
         self.camera = camera
 
     def at(self, share: float) -> NDArray[np.float32]:
+        """(N, 3) positions at a share of the interval."""
         first, *rest = zip(bernstein(2, share).astype(np.float32), self.curve, strict=True)
         blended = first[0] * first[1]
         for weight, points in rest:
@@ -57,7 +58,8 @@ class Plant:
         return blended
 
 
-def ours(plant: Plant, plain: bool) -> Draw:
+def player(plant: Plant, plain: bool) -> Draw:
+    """This player, in its default style or (plain) without shading, floor and depth cue."""
     from player.rendering.headless import Offscreen
     from player.view.style import Style
 
@@ -71,8 +73,8 @@ def pyrender(plant: Plant) -> Draw:
     import pyrender
 
     scene = pyrender.Scene(bg_color=(0, 0, 0, 1))
-    scene.add(pyrender.PerspectiveCamera(np.radians(FIELD)), pose=plant.pose)
-    renderer = pyrender.OffscreenRenderer(*plant.size, point_size=PIXELS)
+    scene.add(pyrender.PerspectiveCamera(np.radians(FIELD_OF_VIEW)), pose=plant.pose)
+    renderer = pyrender.OffscreenRenderer(*plant.size, point_size=POINT_SIZE)
     shown: list = []
 
     def draw(share: float) -> NDArray:
@@ -93,13 +95,17 @@ def vispy(plant: Plant) -> Draw:
     canvas = scene.SceneCanvas(size=plant.size, show=False)
     view = canvas.central_widget.add_view()
     view.camera = scene.TurntableCamera(
-        fov=FIELD, center=tuple(plant.target), distance=plant.distance, elevation=14, azimuth=30
+        fov=FIELD_OF_VIEW,
+        center=tuple(plant.target),
+        distance=plant.distance,
+        elevation=14,
+        azimuth=30,
     )
     markers = scene.visuals.Markers(parent=view.scene)
     colors = plant.colors / np.float32(255)
 
     def draw(share: float) -> NDArray:
-        markers.set_data(pos=plant.at(share), face_color=colors, size=PIXELS, edge_width=0)
+        markers.set_data(pos=plant.at(share), face_color=colors, size=POINT_SIZE, edge_width=0)
         return canvas.render()
 
     return draw
@@ -111,9 +117,9 @@ def pyvista(plant: Plant) -> Draw:
     plotter = pv.Plotter(off_screen=True, window_size=plant.size)
     cloud = pv.PolyData(plant.at(0.0))
     cloud["rgb"] = plant.colors[:, :3].copy()
-    plotter.add_points(cloud, scalars="rgb", rgb=True, point_size=PIXELS, lighting=False)
+    plotter.add_points(cloud, scalars="rgb", rgb=True, point_size=POINT_SIZE, lighting=False)
     plotter.camera_position = [tuple(plant.eye), tuple(plant.target), (0, 0, 1)]
-    plotter.camera.view_angle = FIELD
+    plotter.camera.view_angle = FIELD_OF_VIEW
     plotter.show(auto_close=False)
 
     def draw(share: float) -> NDArray:
@@ -130,11 +136,11 @@ def open3d(plant: Plant) -> Draw:
     rendering = o3d.visualization.rendering
     renderer = rendering.OffscreenRenderer(*plant.size)
     material = rendering.MaterialRecord()
-    material.shader, material.point_size = "defaultUnlit", PIXELS
+    material.shader, material.point_size = "defaultUnlit", POINT_SIZE
     cloud = o3d.t.geometry.PointCloud(o3d.core.Tensor(plant.at(0.0)))
     cloud.point.colors = o3d.core.Tensor(plant.colors[:, :3] / np.float32(255))
     renderer.scene.add_geometry("plant", cloud, material)
-    renderer.setup_camera(FIELD, plant.target, plant.eye, [0, 0, 1])
+    renderer.setup_camera(FIELD_OF_VIEW, plant.target, plant.eye, [0, 0, 1])
 
     def draw(share: float) -> NDArray:
         cloud.point.positions = o3d.core.Tensor(plant.at(share))
@@ -153,8 +159,8 @@ def pygfx(plant: Plant) -> Draw:
     renderer, scene = gfx.renderers.WgpuRenderer(canvas), gfx.Scene()
     colors = plant.colors / np.float32(255)
     geometry = gfx.Geometry(positions=plant.at(0.0), colors=colors)
-    scene.add(gfx.Points(geometry, gfx.PointsMaterial(size=PIXELS, color_mode="vertex")))
-    camera = gfx.PerspectiveCamera(FIELD, plant.size[0] / plant.size[1])
+    scene.add(gfx.Points(geometry, gfx.PointsMaterial(size=POINT_SIZE, color_mode="vertex")))
+    camera = gfx.PerspectiveCamera(FIELD_OF_VIEW, plant.size[0] / plant.size[1])
     camera.local.position = plant.eye
     camera.show_pos(plant.target, up=(0, 0, 1))
     canvas.request_draw(lambda: renderer.render(scene, camera))
@@ -178,8 +184,8 @@ def polyscope(plant: Plant, mode: str) -> Draw:
     cloud = ps.register_point_cloud("plant", plant.at(0.0))
     cloud.set_point_render_mode(mode)
     cloud.add_color_quantity("colors", plant.colors[:, :3] / 255.0, enabled=True)
-    height = 2.0 * plant.distance * np.tan(np.radians(FIELD / 2))
-    cloud.set_radius(float(PIXELS / 2 * height / plant.size[1]), relative=False)
+    height = 2.0 * plant.distance * np.tan(np.radians(FIELD_OF_VIEW / 2))
+    cloud.set_radius(float(POINT_SIZE / 2 * height / plant.size[1]), relative=False)
     ps.look_at(tuple(map(float, plant.eye)), tuple(map(float, plant.target)))
 
     def draw(share: float) -> NDArray:
@@ -189,7 +195,7 @@ def polyscope(plant: Plant, mode: str) -> Draw:
     return draw
 
 
-OURS = {"play": False, "play, plain points": True}
+OURS = {"play": False, "play, plain points": True}  # styles of this player: whether plain
 PEERS: dict[str, Callable[[Plant], Draw]] = {
     "pyrender": pyrender,
     "vispy": vispy,
@@ -202,9 +208,15 @@ PEERS: dict[str, Callable[[Plant], Draw]] = {
 
 
 def measure(name: str, count: int, size: tuple[int, int], frames: int, picture: str) -> dict:
-    """Median wall and least CPU seconds of a frame."""
+    """Measure one library in this process.
+
+    Returns
+    -------
+    dict
+        Median wall and least CPU seconds of a frame, "wall" and "cpu".
+    """
     plant = Plant(count, size)
-    draw = ours(plant, OURS[name]) if name in OURS else PEERS[name](plant)
+    draw = player(plant, OURS[name]) if name in OURS else PEERS[name](plant)
     for share in (0.0, 0.5):
         drawn = np.asarray(draw(share))
     if picture:
@@ -221,7 +233,7 @@ def measure(name: str, count: int, size: tuple[int, int], frames: int, picture: 
 
 
 def run(name: str, arguments: argparse.Namespace) -> dict | str:
-    """In a process of its own; the reason, where it didn't work."""
+    """Measure one library in a process of its own; returns the reason if that fails."""
     command = [sys.executable, "-m", "bench.peers", "--peer", name]
     command += ["--points", str(arguments.points), "--size", arguments.size]
     command += ["--frames", str(arguments.frames)]
@@ -244,29 +256,22 @@ def main() -> None:
     parser.add_argument("--points", type=lambda text: int(float(text)), default=1_000_000)
     parser.add_argument("--size", default="1280x720")
     parser.add_argument("--frames", type=int, default=7)
-    parser.add_argument("--only", default="", help="some of the peers, by name")
-    parser.add_argument("--pictures", default="", help="a folder for what each one drew")
+    parser.add_argument("--only", default="", help="names of libraries, separated by commas")
+    parser.add_argument("--pictures", default="", help="folder for a picture of each library")
     parser.add_argument("--peer", default="", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     width, height = map(int, arguments.size.split("x"))
     if arguments.peer:
-        pictures = arguments.pictures
-        print(
-            json.dumps(
-                measure(
-                    arguments.peer, arguments.points, (width, height), arguments.frames, pictures
-                )
-            )
-        )
+        size, count = (width, height), arguments.points
+        found = measure(arguments.peer, count, size, arguments.frames, arguments.pictures)
+        print(json.dumps(found))
         return
     names = [name for name in PEERS if not arguments.only or name in arguments.only.split(",")]
-    found = {}
-    for name in (*OURS, *names):
-        found[name] = run(name, arguments)
-    base = found["play"]
+    results = {name: run(name, arguments) for name in (*OURS, *names)}
+    base = results["play"]
     print(f"{arguments.points:,} points, {arguments.size}\n")
     print("| | wall, ms | CPU, ms | times play's wall | times play's CPU |\n|---|---|---|---|---|")
-    for name, result in found.items():
+    for name, result in results.items():
         if isinstance(result, str) or isinstance(base, str):
             print(f"| {name} | {result} | | | |")
             continue

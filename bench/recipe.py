@@ -1,12 +1,12 @@
-"""The paper's recipe, written down plainly with numpy and scipy: the peer of our bake.
+"""The paper's method as plain numpy and scipy code, for comparison with `bake`.
 
     python -m bench.recipe SCANS PAIRS.npz [--labels ignore] [--every N]
 
-One thread, one scan and one pair of segments after the other, as a reader of Golla et al. (2020)
-would first write it: kNN graph, spanning tree, a walk over it; Wasserstein distances and transport
-by sparse Sinkhorn on the union of the 15 nearest neighbours. Scans are read as `bake` reads them,
-without what it looks up besides; each interval's pairs of positions are written. Prints the seconds
-of segmentation, and of matching and transport.
+This is what a reader of Golla et al. (2020) would first write, on one thread: segmentation by the
+minimum spanning tree of the kNN graph; Wasserstein distances and transport by sparse Sinkhorn
+iterations on the union of the 15 nearest neighbours. Scans are read by the reader of `bake`. The
+pairs of positions of each interval are written to a file. Prints the seconds of segmentation, and
+of matching and transport.
 """
 
 from __future__ import annotations
@@ -21,11 +21,25 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
 from scipy.spatial import cKDTree
 
-K, ITERATIONS, SHARE = 15, 200, 0.18
+K = 15  # neighbours in the graph, and in the support of the transport plan
+ITERATIONS = 200  # of Sinkhorn's algorithm
+BRANCH_SHARE = 0.18  # length from which on a path is a branch, as a share of the longest path
 
 
 def segment(points: np.ndarray) -> np.ndarray:
-    """(N,) segment of each point, by section 3.2.2; parts apart from the root's stay whole."""
+    """Segment a plant (section 3.2.2).
+
+    Components that are not connected with the root are segments of their own.
+
+    Parameters
+    ----------
+    points : (N, 3) ndarray
+
+    Returns
+    -------
+    (N,) int ndarray
+        Segment of each point.
+    """
     count, k = len(points), min(K + 1, len(points))
     distances, neighbors = cKDTree(points).query(points, k=k)
     rows = np.repeat(np.arange(count), k)
@@ -36,7 +50,7 @@ def segment(points: np.ndarray) -> np.ndarray:
     longest = [0] * count
     for v in order[:0:-1]:
         longest[parent[v]] = max(longest[parent[v]], longest[v] + 1)
-    threshold = SHARE * longest[root]
+    threshold = BRANCH_SHARE * longest[root]
     children: dict[int, list[int]] = {}
     for v in order[1:]:
         children.setdefault(int(parent[v]), []).append(int(v))
@@ -50,7 +64,19 @@ def segment(points: np.ndarray) -> np.ndarray:
 
 
 def transport(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float]:
-    """Pairs (2, E) of points that move onto each other, and the plan's cost (section 3.4)."""
+    """Solve the transport problem of a pair of segments (section 3.4).
+
+    Parameters
+    ----------
+    start, end : (N, 3) and (M, 3) ndarray
+
+    Returns
+    -------
+    pairs : (2, E) int ndarray
+        Corresponding points of `start` and `end`.
+    cost : float
+        Of the plan.
+    """
     n, m = len(start), len(end)
     forward, i = cKDTree(end).query(start, k=min(K, m))
     back, j = cKDTree(start).query(end, k=min(K, n))
@@ -72,12 +98,22 @@ def transport(start: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, float]:
     return np.unique(pairs, axis=0).T, cost
 
 
-def upsample(
+def interpolate(
     first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]
 ) -> np.ndarray:
-    """Match the segments of two scans (points, labels), transport each pair: (pairs, 2, 3) ends.
+    """Transport the segments of the first scan to segments of the second one with equal labels.
 
-    The same label is the same organ; a new one grows from the 30 nearest points of the plant.
+    New segments grow from the 30 nearest points of the first scan.
+
+    Parameters
+    ----------
+    first, second : tuple
+        (N, 3) points and (N,) labels of a scan.
+
+    Returns
+    -------
+    (E, 2, 3) ndarray
+        Start and end of each mover.
     """
     (p, p_labels), (q, q_labels) = first, second
     moved = []
@@ -94,7 +130,18 @@ def upsample(
 def match(
     first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]
 ) -> np.ndarray:
-    """The second scan's labels renamed to the first one's by Wasserstein distance (section 3.3)."""
+    """Match segments by Wasserstein distances (section 3.3).
+
+    Parameters
+    ----------
+    first, second : tuple
+        (N, 3) points and (N,) labels of a scan.
+
+    Returns
+    -------
+    (N,) int ndarray
+        Labels of the second scan, renamed to those of the first one.
+    """
     from scipy.optimize import linear_sum_assignment
 
     (p, p_labels), (q, q_labels) = first, second
@@ -124,19 +171,19 @@ def main() -> None:
     from baker.options import Options
     from baker.scans import read_series
 
-    given = arguments.labels == "consistent"
-    read = Options(every=arguments.every, labels=arguments.labels)
-    scans = read_series([arguments.scans], read).scans
+    has_labels = arguments.labels == "consistent"
+    options = Options(every=arguments.every, labels=arguments.labels)
+    scans = read_series([arguments.scans], options).scans
     began = time.perf_counter()
-    labels = [scan.labels if given else segment(scan.points) for scan in scans]
-    between = time.perf_counter()
+    labels = [scan.labels if has_labels else segment(scan.points) for scan in scans]
+    segmented = time.perf_counter()
     pairs = []
     for k in range(len(scans) - 1):
         first, second = (scans[k].points, labels[k]), (scans[k + 1].points, labels[k + 1])
-        if not given:
+        if not has_labels:
             labels[k + 1] = match(first, second)
-        pairs.append(upsample(first, (second[0], labels[k + 1])))
-    print(between - began, time.perf_counter() - between)
+        pairs.append(interpolate(first, (second[0], labels[k + 1])))
+    print(segmented - began, time.perf_counter() - segmented)
     np.savez(arguments.pairs, *pairs)
 
 

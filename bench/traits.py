@@ -1,16 +1,16 @@
-"""Errors of traits of grown plants: `python -m bench.traits [KIND ...] [--seeds N]`.
+"""Errors of measured traits of grown plants: `python -m bench.traits [KIND ...] [--seeds N]`.
 
-The shape of a plant of `grow` is known at every time. What `traits.measure` returns is compared
+The shape of a plant of `grow` is known at every time. The results of `traits.measure` are compared
 with it in three states:
 
-scan      At the times of the scans, on the scans themselves as they are in the clip.
+scan      At the times of the scans, on the clip.
 fresh     Between the scans, on another scan of that time: errors of the measurement alone.
-between   Between the scans, on the clip: errors of the measurement and of the motion.
+between   Between the scans, on the clip: errors of the measurement and of the interpolation.
 
-The table lists organs with at least `--least` points by their number of points, and those whose
-trait is said to be sure: their number, the median error with and without its sign, the error that
-nine in ten do not exceed, and the share of errors below 5 % (angles: 5 degrees). The length of a
-branch with leaves is that to the tip of its farthest leaf, since a scan does not show where the
+The table has rows for ranges of the number of points of organs, and for traits that are marked as
+reliable (`Measurement.sure`). Its columns are the number of organs, the median error, the median
+and the 90 % quantile of the absolute error, and the share of errors below 5 % (angles: 5 degrees).
+The length of a branch with leaves includes its farthest leaf, since a scan does not show where the
 branch ends. `jump` is the largest change of a trait of any organ, in %, from just before a scan to
 that scan, or from it to just after.
 """
@@ -38,14 +38,21 @@ if TYPE_CHECKING:
     from grow.model import Cloud, Plant
 
 TRAITS = ("length", "area", "hull", "height", "angle")
-SHARES = (0.25, 0.5, 0.75)
-BINS = (100, 200, 500, 1200, 10**9)
-DENSE = 120_000  # points of an almost exact hull
+SHARES = (0.25, 0.5, 0.75)  # of an interval, at which traits are measured between scans
+BINS = (100, 200, 500, 1200, 10**9)  # bounds of the ranges of numbers of points
+DENSE = 120_000  # points of a scan whose convex hulls are almost exact
 Error = tuple[Measurement, dict[str, float], str]
 
 
 def truth(subject: Plant, day: float) -> dict[int, dict[str, float]]:
-    """The true traits of each organ on a day, by its label."""
+    """True traits of organs on a day.
+
+    Returns
+    -------
+    dict of int to dict
+        Traits by name, for the label of each organ; lengths are in the plant's unit, angles in
+        degrees.
+    """
     from scipy.spatial import ConvexHull
 
     dense = subject.cloud(day, DENSE, noise=0.0, colors=False)
@@ -67,14 +74,14 @@ def truth(subject: Plant, day: float) -> dict[int, dict[str, float]]:
 
 
 def _axis(subject: Plant, day: float, label: int) -> np.ndarray:
-    """(n, 3) points along the main axis of an organ."""
+    """(N, 3) points along the main axis of an organ."""
     body = subject._body
     first = int(np.flatnonzero(body.label == label)[0])
     return np.concatenate([body.pose(day).axis[part] for part in subject._main_axis(first)])
 
 
 def clip_of(cloud: Cloud, day: float, subject: Plant) -> Clip:
-    """A clip in which one scan does not move."""
+    """A clip of one interval in which a scan does not move."""
     points = cloud.points.astype(float)
     parents = {organ.label: organ.parent for organ in subject.organs(day)}
     tracks = tuple(
@@ -113,7 +120,7 @@ def errors(
 
 
 def _error(organ: Measurement, trait: str, true_traits: dict[str, float]) -> float:
-    """In percent, or degrees; NaN if the trait was not measured."""
+    """The error of a trait in percent, or of an angle in degrees; NaN if it was not measured."""
     value = getattr(organ, trait)
     if value is None:
         return np.nan
@@ -146,7 +153,7 @@ def measure_errors(
 ) -> dict[str, list[Error]]:
     """Bake a grown plant, measure it, and return the errors by state.
 
-    factor: number of points of each scan, relative to the default.
+    factor: number of points of each scan relative to the default.
     """
     subject = plant(kind, seed)
     points = tuple(round(factor * n) for n in subject._scan_points)
@@ -182,7 +189,7 @@ def measure_errors(
 
 
 def show(kind: str, rows: dict[str, list[Error]]) -> None:
-    """Print a line for each range of points, and one for the traits that are sure."""
+    """Print a row for each range of numbers of points, and one for reliable traits."""
     for state, errors_of_state in rows.items():
         for low, high in pairwise(BINS):
             binned = [row for row in errors_of_state if low <= row[0].points < high]
@@ -195,14 +202,15 @@ def show(kind: str, rows: dict[str, list[Error]]) -> None:
 
 
 def _cell(rows: list[Error], trait: str) -> str:
+    """Format the statistics of a trait's errors."""
     signed = np.array([error[trait] for _, error, _ in rows])
     signed = signed[np.isfinite(signed)]
     if not len(signed):
         return f"| {trait}{'':28s}"
-    size = np.abs(signed)
+    absolute = np.abs(signed)
     return (
-        f"| {trait} {len(signed):4d} {np.median(signed):+5.1f} {np.median(size):5.1f}"
-        f" {np.quantile(size, 0.9):5.1f} {100 * (size < 5).mean():4.0f}%"
+        f"| {trait} {len(signed):4d} {np.median(signed):+5.1f} {np.median(absolute):5.1f}"
+        f" {np.quantile(absolute, 0.9):5.1f} {100 * (absolute < 5).mean():4.0f}%"
     )
 
 

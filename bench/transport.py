@@ -1,19 +1,19 @@
-"""Solvers of the transport problem of one segment: seconds, cost and memory.
+"""Time, cost and memory of solvers of the transport problem of one segment.
 
     python -m bench.transport [--sizes 500,...,500000] [--only NAME,...] [--limit SECONDS]
 
-A leaf grows by half of its length, bends, and is scanned again. For every size N there are two
-problems: N + 1 and 3N/2 points, and N and N points. All masses are uniform, all costs are squared
-distances. Each solver runs in a process of its own, which is stopped after `--limit` seconds; the
-solver is not tried on larger problems then, nor where its dense matrix would not fit ("-").
+The segment is a leaf that grows by half of its length and bends between two scans. For every size N
+there are two problems: N + 1 and 3N/2 points, and N and N points. Masses are uniform, and costs are
+squared distances. Each solver runs in a process of its own. After a solver exceeds `--limit`
+seconds it is not run on larger problems, nor is it run if its dense matrix would not fit ("-").
 
-seconds Of processor time of all threads, since other work may go on beside.
-cost    Above the least cost of an unregularised plan found for the problem, in percent. Sinkhorn
-        iterations trade cost for smoothness, or stop before the marginals are met (below zero);
-        GeomLoss returns no plan, so its value is compared, which includes the entropy.
-memory  The peak of the process above that before the solver was called, in MB.
+seconds Processor time of all threads, which depends less on other load than wall time.
+cost    In percent above the least cost of an unregularised plan of the same problem. Sinkhorn
+        iterations trade cost for entropy, or stop before the marginals are met (negative values);
+        GeomLoss returns no plan, so that its loss is compared, which includes the entropy.
+memory  Increase of the peak memory of the process by the solver, in MB.
 
-Peers that are not installed are skipped by name:
+Solvers that are not installed are skipped:
 
 POT emd              Network simplex on the dense cost matrix.
 POT emd, sparse      The same on the 20 points nearest to where our plan moves each point, and our
@@ -44,9 +44,9 @@ from baker.transport.sinkhorn import nearest, unique
 from baker.transport.solve import solve
 
 SIZES = "500,1000,2000,5000,10000,20000,50000,100000,200000,500000"
-SPARSE_NEIGHBORS = 20
+SPARSE_NEIGHBORS = 20  # candidates of each point in the sparse problem
 PART_SIZE = 1000  # points of a part that hierarchical refinement solves with emd
-MEMORY_PER_PAIR = 40  # bytes that the dense solvers take at least
+MEMORY_PER_PAIR = 40  # bytes for each pair of points that dense solvers take at least
 DENSE = ("POT emd", "POT sinkhorn")
 UNREGULARISED = ("bake", "POT emd", "POT emd, sparse", "hierarchical")
 
@@ -55,7 +55,7 @@ Solver = Callable[[Cloud, Cloud], float]
 
 
 def leaf(count: int, length: float, seed: int) -> Cloud:
-    """Points of a bent leaf with the noise of a scanner."""
+    """(count, 3) points of a bent leaf with the noise of a scanner."""
     random = np.random.default_rng(seed)
     along, across = random.random(count), random.random(count) - 0.5
     width = 0.3 * length * np.sin(np.pi * along)
@@ -66,53 +66,61 @@ def leaf(count: int, length: float, seed: int) -> Cloud:
 
 
 def problem(n: int, m: int) -> tuple[Cloud, Cloud]:
+    """Scans of a leaf with `n` points, and of the grown leaf with `m` points."""
     return leaf(n, 1.0, 2 * n), leaf(m, 1.5, 2 * n + 1)
 
 
 def ours(**options: Any) -> Solver:
+    """The solver of `bake` with some options."""
     return lambda start, end: solve(start, end, TransportOptions(**options)).cost
 
 
 def pot_emd(start: Cloud, end: Cloud) -> float:
+    """Network simplex of POT on the dense cost matrix."""
     from ot.lp import emd
 
     return emd(*_uniform(start, end), _squared_distances(start, end), 10**9, log=True)[1]["cost"]
 
 
 def pot_sparse(start: Cloud, end: Cloud) -> float:
+    """Network simplex of POT on a sparse cost matrix around the plan of `bake`."""
     from ot.lp import emd
     from scipy.sparse import coo_matrix
 
     plan = solve(start, end)
-    moves = plan.mass[:, None] * (end[plan.columns] - start[plan.rows])
-    shift = np.stack([np.bincount(plan.rows, axis, len(start)) for axis in moves.T], axis=1)
-    near = nearest(start + len(start) * shift, end, SPARSE_NEIGHBORS)
-    pairs = unique(near, (plan.rows, plan.columns))
+    weighted = plan.mass[:, None] * (end[plan.columns] - start[plan.rows])
+    displacement = np.stack(
+        [np.bincount(plan.rows, axis, len(start)) for axis in weighted.T], axis=1
+    )
+    neighbors = nearest(start + len(start) * displacement, end, SPARSE_NEIGHBORS)
+    pairs = unique(neighbors, (plan.rows, plan.columns))
     matrix = coo_matrix((costs(start, end, pairs, 2), pairs), shape=(len(start), len(end)))
-    found = emd(*_uniform(start, end), matrix, numItermax=10**9, check_marginals=False).tocoo()
-    return float(found.data @ costs(start, end, (found.row, found.col), 2))
+    optimal = emd(*_uniform(start, end), matrix, numItermax=10**9, check_marginals=False).tocoo()
+    return float(optimal.data @ costs(start, end, (optimal.row, optimal.col), 2))
 
 
 def pot_sinkhorn(start: Cloud, end: Cloud) -> float:
+    """Sinkhorn's algorithm of POT in the log domain, on the dense cost matrix."""
     from ot.bregman import sinkhorn_log
 
     cost = _squared_distances(start, end)
     regularization = 0.05 * np.median(cost)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # it has not converged
+        warnings.simplefilter("ignore")  # that the iterations did not converge
         plan = sinkhorn_log(*_uniform(start, end), cost, regularization, 500, stopThr=1e-3)
     return float((plan * cost).sum())
 
 
 def geomloss(start: Cloud, end: Cloud) -> float:
+    """Multiscale Sinkhorn loss of GeomLoss."""
     import torch
     from geomloss import SamplesLoss
 
-    spacing = 0.5 / np.sqrt(len(start))  # of points on a leaf of an area of about 0.2
+    spacing = 0.5 / np.sqrt(len(start))  # between points on a leaf with an area of about 0.2
     loss = SamplesLoss(
         "sinkhorn", p=2, blur=spacing / 2, scaling=0.8, debias=False, backend="multiscale"
     )
-    # Its cost is half of the squared distance.
+    # GeomLoss defines the cost as half of the squared distance.
     clouds = (torch.from_numpy(cloud.astype(np.float32)) for cloud in (start, end))
     return 2.0 * float(loss(*clouds))
 
@@ -154,8 +162,8 @@ SOLVERS: dict[str, Solver] = {
 }
 
 
-def run_here(name: str, n: int, m: int) -> dict[str, float]:
-    """Solve one problem in this process; the solver's imports and compilation are not timed."""
+def measure(name: str, n: int, m: int) -> dict[str, float]:
+    """Solve one problem in this process; imports and compilation are not measured."""
     SOLVERS[name](*problem(40, 40))
     start, end = problem(n, m)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
@@ -167,7 +175,7 @@ def run_here(name: str, n: int, m: int) -> dict[str, float]:
 
 
 def run(name: str, n: int, m: int, limit: float) -> dict[str, float] | str:
-    """Solve one problem in a process of its own; or the reason why there is no result."""
+    """Solve one problem in a process of its own; returns the reason if there is no result."""
     command = [sys.executable, "-m", "bench.transport", "--run", name, "--sizes", f"{n},{m}"]
     try:
         done = subprocess.run(command, capture_output=True, text=True, timeout=limit)
@@ -180,7 +188,7 @@ def run(name: str, n: int, m: int, limit: float) -> dict[str, float] | str:
 
 
 def is_feasible(name: str, n: int, m: int, earlier: dict[str, float] | str | None) -> bool:
-    """Whether to try a problem, given the result of the same solver on a smaller one."""
+    """Whether to run a solver on a problem, given its result on a smaller one."""
     if isinstance(earlier, str) or (name == "hierarchical" and n != m):
         return False
     if name in DENSE:
@@ -196,12 +204,12 @@ def main() -> None:
     )
     parser.add_argument("--sizes", default=SIZES)
     parser.add_argument("--only", default="", help="names of solvers, separated by semicolons")
-    parser.add_argument("--limit", type=float, default=300.0, help="seconds, by the clock")
+    parser.add_argument("--limit", type=float, default=300.0, help="seconds of wall time")
     parser.add_argument("--run", default="", help=argparse.SUPPRESS)
     arguments = parser.parse_args()
     sizes = [int(size) for size in arguments.sizes.split(",")]
     if arguments.run:
-        print(json.dumps(run_here(arguments.run, *sizes)))
+        print(json.dumps(measure(arguments.run, *sizes)))
         return
     chosen = arguments.only.split(";") if arguments.only else [*SOLVERS]
     names = [name for name in SOLVERS if name in chosen]
@@ -209,23 +217,23 @@ def main() -> None:
     last: dict[str, dict[str, float] | str] = {}
     for size in sizes:
         for n, m in ((size + 1, size * 3 // 2), (size, size)):
-            found = {
+            results = {
                 name: run(name, n, m, arguments.limit)
                 for name in names
                 if is_feasible(name, n, m, last.get(name))
             }
-            last |= found
-            plans = (found.get(name, "-") for name in UNREGULARISED)
-            least = min((each["cost"] for each in plans if not isinstance(each, str)), default=1.0)
-            cells = [_cell(found.get(name, "-"), least) for name in names]
+            last |= results
+            plans = (results.get(name, "-") for name in UNREGULARISED)
+            least = min((plan["cost"] for plan in plans if not isinstance(plan, str)), default=1.0)
+            cells = [_cell(results.get(name, "-"), least) for name in names]
             print(f"| {n:,} → {m:,} | " + " | ".join(cells) + " |", flush=True)
 
 
 def _cell(result: dict[str, float] | str, least: float) -> str:
     if isinstance(result, str):
         return result
-    above = 100.0 * (result["cost"] / least - 1.0)
-    return f"{result['seconds']:.2f} s, {above:+.2f} %, {result['memory']:.0f} MB"
+    excess = 100.0 * (result["cost"] / least - 1.0)
+    return f"{result['seconds']:.2f} s, {excess:+.2f} %, {result['memory']:.0f} MB"
 
 
 if __name__ == "__main__":

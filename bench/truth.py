@@ -1,20 +1,21 @@
 """Errors of clips of grown plants: `python -m bench.truth [KIND ...] [--seeds N]`.
 
-The shape of a plant of `grow` is known at every time. It is scanned on its usual days, baked with
-`--paper` and with the default options, and the clips are compared with the plant between the scans:
+A plant of `grow` is scanned on its default days, and baked with `--paper` and with default options.
+The clips are compared with the true shape of the plant between the scans:
 
-error   Mean distance between the clip and the true surface, in both directions, at a quarter, half
-        and three quarters of every interval, minus that of another scan of the same size; in % of
-        the plant's size. RATIO is that of the default relative to that of the paper.
-length  Errors of organs' lengths at 20 times, in %, of those that `traits.measure` is sure of and
-        that both scans have: the mean, and the error that nine in ten do not exceed. In brackets,
-        the same of another scan of that time, which is the error of the measurement.
-area    The same for organs' areas.
-falls   The largest decrease of the plant's height between two of 50 times, in % of the height.
-gap     The largest excess of an organ's distance to its parent, at 50 times of each interval, over
-        that at both scans, in point spacings.
-turn    The yaw between successive scans that remains after alignment, if scans are rotated about
-        the vertical and shifted at random: median and largest, in degrees.
+error   Mean distance between clip and true surface, averaged over both directions and over a
+        quarter, half and three quarters of every interval, minus the same distance of another scan
+        with as many points; in % of the plant's size. RATIO is the error with default options
+        divided by that with `--paper`.
+length  Errors of lengths of organs at 20 times, in %, of those that are reliable
+        (`Measurement.sure`) and contained in both scans: mean and 90 % quantile. In brackets, the
+        same for another scan of that time, which is the error of the measurement.
+area    The same for areas of organs.
+falls   Largest decrease of the plant's height between two of 50 times, in % of the height.
+gap     Largest distance between an organ and its parent at 50 times of each interval, minus that at
+        the scans, in point spacings.
+turn    Yaw between successive scans after alignment, if scans were rotated about the vertical axis
+        and shifted at random: median and maximum, in degrees.
 """
 
 from __future__ import annotations
@@ -32,8 +33,7 @@ from scipy.spatial.transform import Rotation
 from baker import Options, bake
 from baker.alignment import align
 from baker.scans import Scan, Series
-from bench.traits import clip_of, truth
-from bench.traits import errors as errors_of
+from bench.traits import clip_of, errors, truth
 from grow import plant
 from grow.cli import main as grow
 from traits import measure
@@ -44,12 +44,12 @@ if TYPE_CHECKING:
 
 Cloud = NDArray[np.float32]
 Errors = NDArray[np.float64]
-TIMES = 50  # of each interval, or of the series
-SHARES = (0.25, 0.5, 0.75)
-SHIFT = 0.1  # of a scan's height
+TIMES = 50  # number of times of an interval, or of the series
+SHARES = (0.25, 0.5, 0.75)  # of an interval, at which errors are measured
+MAX_SHIFT = 0.1  # of scans in random poses, as a share of their height
 
 
-def distance(first: Cloud, second: Cloud) -> float:
+def surface_distance(first: Cloud, second: Cloud) -> float:
     """The mean distance to the nearest point of the other cloud, averaged over both clouds."""
     from scipy.spatial import KDTree
 
@@ -57,8 +57,8 @@ def distance(first: Cloud, second: Cloud) -> float:
     return float(to_first.mean() + to_second.mean()) / 2
 
 
-def errors(clip: Clip, subject: Plant) -> float:
-    """Mean error between the scans, above that of another scan, relative to the plant's size."""
+def interpolation_error(clip: Clip, subject: Plant) -> float:
+    """Mean error between the scans minus that of another scan, relative to the plant's size."""
     excess = []
     for interval in clip.intervals:
         for share in SHARES:
@@ -68,18 +68,21 @@ def errors(clip: Clip, subject: Plant) -> float:
                 (1 - share) * len(subject.cloud(interval.start))
                 + share * len(subject.cloud(interval.end))
             )
-            truth = subject.cloud(day, points=30_000, noise=0.0, colors=False).points
+            true_surface = subject.cloud(day, points=30_000, noise=0.0, colors=False).points
             other_scan = subject.cloud(day, points=count, seed=7, colors=False).points
-            excess.append(distance(rebuilt, truth) - distance(other_scan, truth))
-    return float(np.mean(excess)) / size(subject, clip.times[-1])
+            excess.append(
+                surface_distance(rebuilt, true_surface) - surface_distance(other_scan, true_surface)
+            )
+    return float(np.mean(excess)) / plant_size(subject, clip.times[-1])
 
 
-def size(subject: Plant, day: float) -> float:
+def plant_size(subject: Plant, day: float) -> float:
+    """The longest side of the plant's bounding box."""
     return float(np.ptp(subject.cloud(day, colors=False).points, axis=0).max())
 
 
-def organs_measured(clip: Clip, subject: Plant) -> dict[str, tuple[Errors, Errors]]:
-    """Errors of organs' lengths and areas, in %: in the clip, and in other scans of the times."""
+def trait_errors(clip: Clip, subject: Plant) -> dict[str, tuple[Errors, Errors]]:
+    """Errors of lengths and areas of organs in %, of the clip and of other scans."""
     found: dict[str, tuple[list[float], list[float]]] = {t: ([], []) for t in ("length", "area")}
     for day in np.linspace(clip.times[0], clip.times[-1], 22)[1:-1]:
         interval = next(i for i in reversed(clip.intervals) if i.start <= day)
@@ -88,16 +91,19 @@ def organs_measured(clip: Clip, subject: Plant) -> dict[str, tuple[Errors, Error
         scan = subject.cloud(day, seed=9, colors=False)
         true_traits = truth(subject, day)
         for side, measured in enumerate((clip, clip_of(scan, day, subject))):
-            organs = errors_of(measure(measured, day), measured, true_traits, min_points=1)
+            organs = errors(measure(measured, day), measured, true_traits, min_points=1)
             for organ, error, name in organs:
                 for trait in found:
                     if name.split()[-1] in names and trait in organ.sure:
                         found[trait][side].append(error[trait])
-    return {trait: (np.array(ours), np.array(fresh)) for trait, (ours, fresh) in found.items()}
+    return {
+        trait: (np.array(clip_errors), np.array(fresh))
+        for trait, (clip_errors, fresh) in found.items()
+    }
 
 
-def falls(clip: Clip) -> float:
-    """The largest decrease of height between two times, relative to the largest height."""
+def largest_fall(clip: Clip) -> float:
+    """The largest decrease of height between successive times, relative to the largest height."""
     heights = [
         float(np.quantile(clip.at(day).positions[:, 2], 0.999))
         for day in np.linspace(clip.times[0], clip.times[-1], TIMES)
@@ -105,8 +111,8 @@ def falls(clip: Clip) -> float:
     return max(0.0, float(-np.diff(heights).min())) / max(heights)
 
 
-def gaps(clip: Clip) -> float:
-    """The largest excess of an organ's distance to its parent, in spacings, over both scans'."""
+def largest_gap(clip: Clip) -> float:
+    """The largest distance of an organ to its parent minus that at the scans, in point spacings."""
     from scipy.spatial import KDTree
 
     largest = 0.0
@@ -123,47 +129,52 @@ def gaps(clip: Clip) -> float:
                 if len(organ) and len(parent):
                     nearest = float(KDTree(parent).query(organ)[0].min())
                     distances.setdefault(track.id, []).append(nearest)
-        for each in distances.values():
-            largest = max(largest, max(each) - max(each[0], each[-1]))
+        for series in distances.values():
+            largest = max(largest, max(series) - max(series[0], series[-1]))
     return largest / clip.spacing
 
 
-def turns(subject: Plant, seed: int) -> Errors:
-    """Yaw in degrees that alignment leaves between scans in random poses."""
+def yaw_errors(subject: Plant, seed: int) -> Errors:
+    """Absolute yaw in degrees that alignment leaves between successive scans in random poses."""
     rng = np.random.default_rng(seed)
     scans, poses = [], []
     for day in subject.default_days:
         points = subject.cloud(float(day), colors=False).points
         pose = np.eye(4)
         pose[:3, :3] = Rotation.from_euler("z", rng.uniform(0, 360), degrees=True).as_matrix()
-        pose[:3, 3] = rng.uniform(-SHIFT, SHIFT, 3) * np.ptp(points[:, 2])
+        pose[:3, 3] = rng.uniform(-MAX_SHIFT, MAX_SHIFT, 3) * np.ptp(points[:, 2])
         scans.append(Scan((points @ pose[:3, :3].T + pose[:3, 3]).astype(np.float32)))
         poses.append(pose)
     transforms = align(Series(tuple(scans)), up="z").transforms
-    aligned = [(moved @ pose)[:3, :3] for moved, pose in zip(transforms, poses, strict=True)]
+    aligned = [
+        (transform @ pose)[:3, :3] for transform, pose in zip(transforms, poses, strict=True)
+    ]
     steps = [before.T @ after for before, after in pairwise(aligned)]
     return np.abs([Rotation.from_matrix(step).as_euler("zyx", degrees=True)[0] for step in steps])
 
 
 def print_row(kind: str, seed: int) -> None:
+    """Grow, bake and measure one plant, and print its errors."""
     subject = plant(kind, seed)
     with tempfile.TemporaryDirectory() as folder:
         scans = Path(folder) / "scans"
         grow([kind, str(scans), "--seed", str(seed), "-q"])
         fixed = {"align": "none", "up": "z", "labels": "consistent"}
-        paper = errors(bake([scans], Options(paper=True, **fixed)), subject)
+        paper = interpolation_error(bake([scans], Options(paper=True, **fixed)), subject)
         clip = bake([scans], Options(**fixed))
-    default = errors(clip, subject)
-    measured, yaws = organs_measured(clip, subject), turns(subject, seed)
+    default = interpolation_error(clip, subject)
+    measured, yaws = trait_errors(clip, subject), yaw_errors(subject, seed)
+    fall, gap = largest_fall(clip), largest_gap(clip)
     print(
         f"{kind:8s} {seed:4d} {100 * paper:6.3f} {100 * default:6.3f} {default / paper:6.2f}",
         *(f"{_summary(ours)} ({_summary(fresh)})" for ours, fresh in measured.values()),
-        f"{100 * falls(clip):6.2f} {gaps(clip):6.2f} {np.median(yaws):5.2f} {yaws.max():6.2f}",
+        f"{100 * fall:6.2f} {gap:6.2f} {np.median(yaws):5.2f} {yaws.max():6.2f}",
         flush=True,
     )
 
 
 def _summary(errors: Errors) -> str:
+    """Format mean and 90 % quantile of absolute errors."""
     if not len(errors):
         return "   -    -"
     return f"{np.abs(errors).mean():4.1f} {np.quantile(np.abs(errors), 0.9):4.1f}"
