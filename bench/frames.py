@@ -1,21 +1,22 @@
-"""What a frame of `play` costs, on screen, in a film and in the HTML page.
+"""Time of a frame of `play` on screen, in films and on the HTML page.
 
     python -m bench.frames draw [--movers 1e5,1e6] [--size 1280x720] [--clock wall]
     python -m bench.frames film CLIP... [--size 1920x1080]
     python -m bench.frames seek CLIP [--jumps 40]
     python -m bench.frames page [--movers 1e6]
 
-draw  A frame of a synthetic plant on paths of degree 0 (a static cloud) to 3: the whole picture,
-      and the pass over the movers alone, as OpenGL points and by a compute shader. `of copy` is
-      the rate at which the pass reads movers against the rate at which the card copies. Then the
-      passes of a frame one by one, by the card's own clock (timer queries).
-film  A frame of a film: the encoder alone, fed with pictures drawn before, and the whole export.
-seek  A picture after a jump to another day, and how much of it is loading movers.
-page  A frame of the page in headless Chromium on its software renderer: at rest, while things
-      move, and on a machine that is found to be slow; `to static` is against a static cloud.
+draw  A frame of a synthetic plant without motion, and on curves of degree 1 to 3: the picture,
+      and the pass over the movers alone, by OpenGL's points and by a compute shader. "of copy" is
+      the rate at which this pass reads movers, relative to the rate of copies in GPU memory. Then
+      the render passes of a frame one by one, measured by timer queries of the GPU.
+film  A frame of a film: encoding of pictures that were drawn before, and the whole export.
+seek  A picture after a jump to another day, and the share of it that uploads movers.
+page  A frame of the page in headless Chromium with software rendering: at rest, while the view
+      moves, and at the lowest level of detail. "to static" is relative to a static cloud.
 
-Milliseconds of processor time of all threads and processes, the best of several rounds, as other
-work may go on beside; `--clock wall` takes the clock's for drawing, which a GPU needs.
+Times are milliseconds of processor time of all threads and processes, the least of several rounds,
+so that other load on the machine matters little. For drawing on a GPU, `--clock wall` measures wall
+time instead.
 """
 
 from __future__ import annotations
@@ -48,57 +49,61 @@ from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
-from player.window.app import LOADING
+from player.window.app import UPLOAD_SECONDS
 from player.window.dynamic_resolution import DynamicResolution
 
-Size = tuple[int, int]
-ROUNDS = 5
-COPIED = 256 << 20  # bytes
-FILMED = 30  # frames of a film that are measured
-FILM_BEGIN = 0.4  # share of the film before them
+Size = tuple[int, int]  # (width, height) in pixels
+ROUNDS = 5  # of each measurement, of which the fastest counts
+COPY_SIZE = 256 << 20  # bytes
+FILM_FRAMES = 30  # frames of a film that are measured
+FILM_START = 0.4  # share of the film before these frames
 PATHS = ("static", "straight", "degree 2", "degree 3")
 
 
-def row(*cells: object) -> None:
+def print_row(*cells: object) -> None:
+    """Print a row of a Markdown table."""
     texts = (f"{cell:.1f}" if isinstance(cell, float) else str(cell) for cell in cells)
     print(f"| {' | '.join(texts)} |", flush=True)
 
 
-def head(*names: str) -> None:
-    row(*names)
+def print_head(*names: str) -> None:
+    """Print the head of a Markdown table."""
+    print_row(*names)
     print("|---" * len(names) + "|")
 
 
 def process_seconds() -> float:
-    """Processor seconds of this process and of those it started that have ended."""
+    """Processor seconds of this process and of its children that have ended."""
     children = resource.getrusage(resource.RUSAGE_CHILDREN)
     return time.process_time() + children.ru_utime + children.ru_stime
 
 
 def milliseconds(work: Callable[[], object], clock: Callable[[], float]) -> float:
+    """Duration of a function call by a clock in seconds."""
     began = clock()
     work()
     return 1e3 * (clock() - began)
 
 
 def draw(movers: list[int], size: Size, clock: Callable[[], float]) -> None:
+    """Measure frames of synthetic plants of several sizes."""
     context = headless()
-    source, target = (context.buffer(reserve=COPIED) for _ in range(2))
+    source, target = (context.buffer(reserve=COPY_SIZE) for _ in range(2))
     copy = partial(_finished, context, lambda: context.copy_buffer(target, source))
-    copied = 2e3 * COPIED / min(milliseconds(copy, time.perf_counter) for _ in range(6))
+    copied = 2e3 * COPY_SIZE / min(milliseconds(copy, time.perf_counter) for _ in range(6))
     print(f"{context.info['GL_RENDERER']}, {size[0]}x{size[1]}, copies {copied / 1e9:.1f} GB/s\n")
-    head("movers", "paths", "B a mover", "frame", "to static", "points", "compute", "of copy")
+    print_head("movers", "paths", "B a mover", "frame", "to static", "points", "compute", "of copy")
     profiles = []
     for count in movers:
         baseline = 0.0
         for degree, path in enumerate(PATHS):
             clip = growing(count, degree) if degree else static(count)
-            found, profile = _draw_times(context, clip, size, clock)
-            baseline = baseline or found[0]
-            size_each = bytes_per_point(clip.intervals[0])
-            rate = 1e3 * size_each * count / min(time for time in found[1:] if time)
-            ratio, share = f"{found[0] / baseline:.2f}", f"{100 * rate / copied:.0f} %"
-            row(f"{count:,}", path, size_each, found[0], ratio, *found[1:], share)
+            times, profile = _draw_times(context, clip, size, clock)
+            baseline = baseline or times[0]
+            mover_size = bytes_per_point(clip.intervals[0])
+            rate = 1e3 * mover_size * count / min(time for time in times[1:] if time)
+            ratio, share = f"{times[0] / baseline:.2f}", f"{100 * rate / copied:.0f} %"
+            print_row(f"{count:,}", path, mover_size, times[0], ratio, *times[1:], share)
             profiles.append((f"{count:,}, {path}", profile))
     for title, profile in profiles:
         print(f"\n{title}\n{profile}")
@@ -107,15 +112,22 @@ def draw(movers: list[int], size: Size, clock: Callable[[], float]) -> None:
 def _draw_times(
     context: moderngl.Context, clip: Clip, size: Size, clock: Callable[[], float]
 ) -> tuple[list[float], str]:
-    """Of a frame, and of the pass over the movers either way; 0 where there is no such way. And a
-    frame's passes, one by one.
+    """Measure a frame and the pass over the movers.
+
+    Returns
+    -------
+    list of float
+        Milliseconds of the whole frame, and of the pass over the movers by OpenGL's points and by a
+        compute shader; 0 without compute shaders.
+    str
+        A table of the render passes of a frame.
     """
     renderer, framebuffer = Renderer(context, clip), context.simple_framebuffer(size)
     camera = Camera.home(clip, size[0] / size[1], turning=True)
     renderer.draw(framebuffer, 0.5, camera, Style(), size)
 
     def rasterise(backend: RasterBackend) -> None:
-        ranges, splats = renderer._prepared(0.5, camera, Style(), size, 1, None)
+        ranges, splats = renderer._prepare(0.5, camera, Style(), size, 1, None)
         renderer._raster.backend = backend
         renderer._raster.rasterise(renderer._gbuffer_of(size), ranges, splats)
 
@@ -140,17 +152,19 @@ def _draw_times(
 
 
 def _finished(context: moderngl.Context, work: Callable[[], object]) -> None:
+    """Call a function, and wait until the GPU has completed its commands."""
     context.finish()
     work()
     context.finish()
 
 
 def film(clips: list[Path], size: Size) -> None:
-    head("clip", "size", "encoder", "export", "of the encoder's rate")
+    """Measure the export of films."""
+    print_head("clip", "size", "encoder", "export", "share of encoding")
     for path in clips:
         clip, whole = gclip.open(path), Film(size=size)
         days = whole.days(clip)
-        days = days[int(FILM_BEGIN * len(days)) :][:FILMED]
+        days = days[int(FILM_START * len(days)) :][:FILM_FRAMES]
         part = replace(whole, at=tuple(days))
         encoder, exported = [], []
         with tempfile.TemporaryDirectory() as folder, Offscreen(clip, size) as offscreen:
@@ -163,36 +177,37 @@ def film(clips: list[Path], size: Size) -> None:
                 frames = part.frames(clip, offscreen)
                 exported.append(milliseconds(partial(write, frames), process_seconds))
         share = f"{100 * min(encoder) / min(exported):.0f} %"
-        each = (min(times) / len(days) for times in (encoder, exported))
-        row(path.stem, f"{size[0]}x{size[1]}", *each, share)
+        per_frame = (min(times) / len(days) for times in (encoder, exported))
+        print_row(path.stem, f"{size[0]}x{size[1]}", *per_frame, share)
 
 
 def seek(clips: list[Path], size: Size, jumps: int) -> None:
-    head("clip", "", "median", "most, after the first")
+    """Measure pictures after jumps to random days."""
+    print_head("clip", "", "median", "longest but the first")
     for path in clips:
         clip, context = gclip.open(path), headless()
         renderer, framebuffer = Renderer(context, clip), context.simple_framebuffer(size)
         camera = Camera.home(clip, size[0] / size[1])
-        pace = DynamicResolution(max(len(interval) for interval in clip.intervals))
+        resolution = DynamicResolution(max(len(interval) for interval in clip.intervals))
         loading, whole = [0.0] * jumps, []
         load = renderer._points.buffers.load
 
-        def timed_load(*given: Any, load: Any = load, loading: list[float] = loading) -> Any:
+        def timed_load(*arguments: Any, load: Any = load, loading: list[float] = loading) -> Any:
             began = time.process_time()
             try:
-                return load(*given)
+                return load(*arguments)
             finally:
                 loading[len(whole)] += 1e3 * (time.process_time() - began)  # noqa: B023
 
         renderer._points.buffers.load = timed_load  # type: ignore[method-assign]
         for day in np.random.default_rng(0).uniform(clip.times[0], clip.times[-1], jumps):
-            stride, began = pace.detail(size).every, time.perf_counter()
-            show = partial(renderer.draw, stride=stride, upload_budget=LOADING)
+            stride, began = resolution.detail(size).stride, time.perf_counter()
+            show = partial(renderer.draw, stride=stride, upload_budget=UPLOAD_SECONDS)
             picture = partial(show, framebuffer, day, camera, Style(), size)
             whole.append(milliseconds(partial(_finished, context, picture), time.process_time))
-            pace.frame_took(time.perf_counter() - began)
+            resolution.record_frame(time.perf_counter() - began)
         for name, times in (("loading", loading), ("whole picture", whole)):
-            row(path.stem, name, float(np.median(times)), max(times[1:]))
+            print_row(path.stem, name, float(np.median(times)), max(times[1:]))
         renderer.release()
 
 
@@ -204,7 +219,7 @@ PAGE_FRAMES = """([count, still, moving]) => {
     if (still) clip.intervals[0].degree = 0;
     for (let i = 0; i < count; ++i) {
         camera.orbit(0.01, 0);
-        renderer.draw(still ? 0 : 0.5, camera, look, { every: 2 ** moving });
+        renderer.draw(still ? 0 : 0.5, camera, look, { stride: 2 ** moving });
         gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     }
     return gl.getError();
@@ -212,9 +227,12 @@ PAGE_FRAMES = """([count, still, moving]) => {
 
 
 def page(movers: list[int]) -> None:
+    """Measure frames of the HTML page."""
     from playwright.sync_api import sync_playwright
 
-    head("movers", "paths", "page, MB", "load", "at rest", "to static", "moving", "slow machine")
+    print_head(
+        "movers", "paths", "page, MB", "load", "at rest", "to static", "moving", "least detail"
+    )
     with sync_playwright() as browsers, tempfile.TemporaryDirectory() as folder:
         program = shutil.which("chromium") or shutil.which("google-chrome")
         options = [*SOFTWARE_GL, "--no-sandbox"]
@@ -222,7 +240,7 @@ def page(movers: list[int]) -> None:
         for count in movers:
             baseline, path = 0.0, Path(folder) / "page.html"
             for degree, name in enumerate(PATHS):
-                clip = growing(count, degree) if degree else static(count, degree=1)
+                clip = growing(count, degree) if degree else static(count)
                 export(clip, Film(), path)
                 tab = browser.new_page(viewport={"width": 1280, "height": 720})
                 load = milliseconds(partial(_open_page, tab, path), _browser_seconds)
@@ -230,19 +248,25 @@ def page(movers: list[int]) -> None:
                 tab.close()
                 baseline = baseline or times[0]
                 size, ratio = path.stat().st_size / 1e6, f"{times[0] / baseline:.2f}"
-                row(f"{count:,}", name, size, load, times[0], ratio, *times[1:])
+                print_row(f"{count:,}", name, size, load, times[0], ratio, *times[1:])
         browser.close()
 
 
 def _open_page(tab: Any, path: Path) -> None:
+    """Open a page, and wait until it has drawn the plant."""
     tab.goto(path.as_uri())
-    while not tab.evaluate("window.viewer !== undefined"):  # the page forbids waiting scripts
+    while not tab.evaluate(
+        "window.viewer !== undefined"
+    ):  # its security policy forbids wait_for_function
         tab.wait_for_timeout(100)
     tab.evaluate("viewer.seek(0.5)")
 
 
 def _page_time(tab: Any, still: bool, level: int, count: int = 5) -> float:
-    """Milliseconds a frame at a level of the page's detail; 0 draws everything."""
+    """Milliseconds per frame at a level of detail of the page; level 0 draws everything.
+
+    still: whether to draw a static cloud; count: number of frames per round.
+    """
 
     def frames() -> None:
         assert tab.evaluate(PAGE_FRAMES, [count, still, level]) == 0
@@ -252,7 +276,7 @@ def _page_time(tab: Any, still: bool, level: int, count: int = 5) -> float:
 
 
 def _browser_seconds() -> float:
-    """Processor seconds of this process's children so far (Linux)."""
+    """Processor seconds of all running descendants of this process (Linux)."""
     ticks = 0
     for pid in _descendants(os.getpid()):
         fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
@@ -261,6 +285,7 @@ def _browser_seconds() -> float:
 
 
 def _descendants(parent: int) -> Iterator[int]:
+    """Yield the process ids of all descendants of a process."""
     for task in Path(f"/proc/{parent}/task").glob("*/children"):
         for child in map(int, task.read_text().split()):
             yield child
@@ -273,7 +298,7 @@ def main() -> None:
     )
     parser.add_argument("what", choices=("draw", "film", "seek", "page"))
     parser.add_argument("clips", nargs="*", type=Path)
-    parser.add_argument("--movers", default="1e6", help="of the synthetic plant")
+    parser.add_argument("--movers", default="1e6", help="numbers of movers of the synthetic plant")
     parser.add_argument("--size", default="1280x720")
     parser.add_argument("--jumps", type=int, default=40)
     parser.add_argument("--clock", choices=("cpu", "wall"), default="cpu")

@@ -1,4 +1,4 @@
-"""A clip of as many movers as wanted, to measure the player with: a stem with leaves that grow."""
+"""Synthetic clips with any number of movers, for benchmarks of the player."""
 
 from __future__ import annotations
 
@@ -15,7 +15,15 @@ COLORS = ((120, 170, 60), (70, 140, 50), (160, 190, 80), (90, 160, 90))
 
 
 def growing(count: int, degree: int = 2) -> Clip:
-    """One interval of `count` movers on paths of degree 1, 2 or 3."""
+    """A clip of one interval: a stem with leaves that grow.
+
+    Parameters
+    ----------
+    count : int
+        Number of movers.
+    degree : {1, 2, 3}
+        Degree of their curves.
+    """
     random = np.random.default_rng(0)
     organ = random.integers(0, LEAVES + 1, count)
     along, across = random.random(count), random.random(count) - 0.5
@@ -24,7 +32,7 @@ def growing(count: int, degree: int = 2) -> Clip:
     controls: dict[int, tuple[NDArray, ...]] = {
         1: (),
         2: (2.0 * half - 0.5 * (start + end),),
-        # The cubic through the points at a third and at two thirds.
+        # The cubic curve through the positions at one and two thirds of the time.
         3: (
             (-5.0 * start + 18.0 * third - 9.0 * two_thirds + 2.0 * end) / 6.0,
             (2.0 * start - 9.0 * third + 18.0 * two_thirds - 5.0 * end) / 6.0,
@@ -39,18 +47,21 @@ def growing(count: int, degree: int = 2) -> Clip:
     )
 
 
-def static(count: int, degree: int = 0) -> Clip:
-    """The plant half-way, at rest: without paths, or of degree 1 with equal ends."""
+def static(count: int) -> Clip:
+    """A clip of the same plant without motion: the ends of its straight curves are equal."""
     clip = growing(count)
     (interval,) = clip.intervals
     points = sum(w * p for w, p in zip((0.25, 0.5, 0.25), interval.curve, strict=True))
-    half = np.round(points).astype(np.uint16)
-    rest = replace(interval, degree=degree, curve=(half,) * (degree + 1))
-    return replace(clip, intervals=(rest,))
+    middle = np.round(points).astype(np.uint16)
+    static_interval = replace(interval, degree=1, curve=(middle, middle))
+    return replace(clip, intervals=(static_interval,))
 
 
 def _shape(organ: NDArray, along: NDArray, across: NDArray, age: float) -> NDArray:
-    """(N, 3) positions: round the stem where the organ is `LEAVES`, else on a leaf that bends."""
+    """(N, 3) positions at an age from 0 to 1, on the stem for organ LEAVES, else on bent leaves.
+
+    along, across: (N,) coordinates on the organ, from 0 to 1 and from -0.5 to 0.5.
+    """
     height = 1.0 + 0.5 * age
     angle = 2.0 * np.pi * across
     stem = np.stack([0.03 * np.cos(angle), 0.03 * np.sin(angle), height * along], axis=1)

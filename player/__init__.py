@@ -1,4 +1,4 @@
-"""The player: draws a clip, in a window, a picture or a film.
+"""The player: shows clips in a window, and exports them to pictures, films and other formats.
 
 import gclip, player
 clip = gclip.open("plant.gclip")
@@ -8,5 +8,5 @@ player.film(clip, "film.mp4", turning=True)
 
 import lazy_loader
 
-# The graphics libraries load only when a picture is wanted: `--help` stays instant.
+# Submodules are imported on first use to keep `play --help` fast.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""`python -m player` is `play`."""
+"""Runs the command `play` as `python -m player`."""
 
 from player.cli import main
 

@@ -1,4 +1,4 @@
-"""The command `play`: a clip in a window, a film, a picture, or a table of what it holds."""
+"""The command `play`: shows clips in a window, exports them, or prints what they contain."""
 
 import re
 from functools import partial
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 
 STILL, TURNTABLE = "still", "turntable"
-SIZE = "1280x720"
-SCANS = {".ply", ".pcd", ".xyz", ".txt", ".csv", ".pts", ".las", ".laz", ".e57", ".npy", ".npz"}
-MAX_LETTERS = 2000  # of a line of --info
-LARGEST = 16384  # pixels a side: the least that OpenGL 4.1 promises for textures
-
+DEFAULT_SIZE = "1280x720"  # of exports
+# Suffixes of scans, which have to be baked first
+SUFFIXES = {".ply", ".pcd", ".xyz", ".txt", ".csv", ".pts", ".las", ".laz", ".e57", ".npy", ".npz"}
+MAX_INFO_LINE = 2000  # characters of a line of --info
+MIN_SIDE, MAX_SIDE = 16, 16384  # pixels; OpenGL 4.1 guarantees textures of this size
 
 PANELS = {
     "View": "size camera color colormap field ground point_size shading depth_cue floor",
@@ -38,15 +38,15 @@ PANELS = {
     "transparent",
     "Window": "profile",
 }
-"""The options by what they are about, in the order of `play --help`."""
+"""Options by the panels of `play --help`, in their order."""
 
 
-def _list(wanted: bool) -> None:
-    """Print what can be exported, and leave."""
-    if wanted:
-        for one in player.export.FORMATS:
-            also = f"; also {', '.join(one.also)}" if one.also else ""
-            typer.echo(f"{one.example:18}{one.about}{also}")
+def _list_exports(requested: bool) -> None:
+    """Print the export formats, and exit, if the option is given."""
+    if requested:
+        for known in player.export.FORMATS:
+            others = ", ".join(known.other_suffixes)
+            typer.echo(f"{known.example:18}{known.about}{'; also ' * bool(others)}{others}")
         raise typer.Exit
 
 
@@ -54,11 +54,12 @@ EPILOG = "Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.\
 
 
 def _option(metavar: str, help: str, **settings: Any) -> Any:
-    """An option that takes a value, which the help calls `metavar`."""
+    """Declare an option with a value, which the help calls `metavar`."""
     return typer.Option(metavar=metavar, help=help, **settings)
 
 
 def _flag(help: str, *names: str) -> Any:
+    """Declare an option without a value."""
     return typer.Option(*names, help=help)
 
 
@@ -68,7 +69,7 @@ def play_command(
     export: Annotated[Path | None, _option("PATH", "Write film.mp4, ... (--list-exports).")] = None,
     info: Annotated[bool, _flag("Print what the clip holds.")] = False,
     list_exports: Annotated[
-        bool, typer.Option(help="List what can be exported.", is_eager=True, callback=_list)
+        bool, typer.Option(help="List what can be exported.", is_eager=True, callback=_list_exports)
     ] = False,
     size: Annotated[str | None, _option("WxH", "Size in pixels; 1280x720 by default.")] = None,
     fps: Annotated[int, _option("N", "Frames a second.", min=1, max=240)] = 30,
@@ -103,7 +104,7 @@ def play_command(
     Example:  play plant.gclip --export film.mp4 --camera turntable --date
     """
     for file in clips:
-        if file.is_dir() or file.suffix.lower() in SCANS:
+        if file.is_dir() or file.suffix.lower() in SUFFIXES:
             folder = file if file.is_dir() else file.parent
             raise PlayerError(f"{file} is not a growth clip; bake the scans first: bake {folder}")
     path = None if camera in (STILL, TURNTABLE) else Path(camera)
@@ -130,12 +131,12 @@ def play_command(
         if field and field not in known:
             raise PlayerError(f"--field is {field}; the clip has {', '.join(known) or 'none'}.")
         film = player.export.Film(
-            size=_size(size or SIZE),
+            size=_parse_size(size or DEFAULT_SIZE),
             fps=fps,
             seconds=seconds,
             turning=camera == TURNTABLE,
             style=style,
-            at=tuple(_day(opened, text) for text in day or []),
+            at=tuple(_parse_day(opened, text) for text in day or []),
             every=every,
             title=printable(title),
             annotations=player.view.Annotations(date, scale_bar, legend),
@@ -150,14 +151,14 @@ def play_command(
             typer.echo(f"wrote {export}", err=True)
     elif info:
         for line in info_lines(gclip.open(clip), clip):
-            typer.echo(printable(line, MAX_LETTERS))
+            typer.echo(printable(line, MAX_INFO_LINE))
     else:
-        look = style, _size(size) if size else None, ground, camera == TURNTABLE, path
-        player.window.start(clips, *look, profile=profile)
+        window_size = _parse_size(size) if size else None
+        player.window.start(clips, style, window_size, ground, camera == TURNTABLE, path, profile)
 
 
-def _day(clip: "Clip", text: str) -> float:
-    """What --day says: a number of days, or a date as the scans have them."""
+def _parse_day(clip: "Clip", text: str) -> float:
+    """Parse --day, a time as a number or as a date in the style of the scans' dates."""
     day, first, last = day_of(clip.scans, text), clip.scans[0], clip.scans[-1]
     if day is None or not first.time <= day <= last.time:
         span = f"{first.time:g} to {last.time:g}"
@@ -166,15 +167,15 @@ def _day(clip: "Clip", text: str) -> float:
     return day
 
 
-def _size(text: str) -> tuple[int, int]:
-    found = re.fullmatch(r"(\d{1,6})[xX×](\d{1,6})", text)
-    width, height = (int(found[1]), int(found[2])) if found else (0, 0)
-    if not (16 <= width <= LARGEST and 16 <= height <= LARGEST):
-        wanted = f"width x height in pixels, like 1280x720, each from 16 to {LARGEST}"
-        raise PlayerError(f'--size is "{text}"; {wanted}, is needed.')
+def _parse_size(text: str) -> tuple[int, int]:
+    match = re.fullmatch(r"(\d{1,6})[xX×](\d{1,6})", text)
+    width, height = (int(match[1]), int(match[2])) if match else (0, 0)
+    if not MIN_SIDE <= min(width, height) <= max(width, height) <= MAX_SIDE:
+        expected = f"width x height in pixels, like 1280x720, each from {MIN_SIDE} to {MAX_SIDE}"
+        raise PlayerError(f'--size is "{text}"; {expected}, is needed.')
     return width, height
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run `play` with arguments (the process's own by default); returns the exit code."""
+    """Run `play` with arguments, by default those of the process; returns the exit code."""
     return run_app(app, "play", argv, PANELS)

@@ -1,7 +1,7 @@
-"""The player's one error for what the user can put right."""
+"""The exception for errors that the user can correct."""
 
 from gclip.errors import UserError
 
 
 class PlayerError(UserError):
-    """A wish that can't be met: no screen, no EGL, a wrong size, an output refused."""
+    """Raised for problems that the user can correct, such as a missing display or a wrong size."""

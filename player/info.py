@@ -1,4 +1,4 @@
-"""`play CLIP --info`: what a clip holds, line by line."""
+"""Summary of a clip as text, for `play CLIP --info`."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from gclip import Clip
 
-FOR_PROGRAMS = {"transforms", "origins"}  # matrices of provenance
+UNLISTED_KEYS = {"transforms", "origins"}  # of the provenance: matrices
 
 
 def info_lines(clip: Clip, path: Path) -> Iterator[str]:
-    """A clip's scans, intervals, tracks and provenance, as text for a terminal or a pipe.
+    """Yield lines on a clip's scans, intervals, tracks and provenance.
 
-    Names come from a file: what is printed of them must be made safe (`gclip.text.printable`).
+    The lines contain names from the file, and must be made safe for terminals by
+    `gclip.text.printable`.
     """
     size, movers = path.stat().st_size, sum(map(len, clip.intervals))
     first, last, tracks = clip.scans[0], clip.scans[-1], clip.track_table
@@ -31,52 +32,56 @@ def info_lines(clip: Clip, path: Path) -> Iterator[str]:
     scans: list[Any] = [(scan, scan.points, "") for scan in clip.scans]
     scans += [(scan, len(scan.positions), "left out") for scan in clip.held_out]
     rows: list[Sequence[str]] = [("scan", "date", clip.time_unit, "points", "")]
-    for scan, points, note in sorted(scans, key=lambda one: one[0].time):
+    for scan, points, note in sorted(scans, key=lambda entry: entry[0].time):
         rows.append((scan.name, scan.date, f"{scan.time - first.time:g}", f"{points:,}", note))
     yield from _table(rows)
 
     rows = [("from", "to", "born", "lost", "degree", "positions", "movers")]
-    for one in clip.intervals:
-        events = [segment.event for segment in one.segments]
+    for interval in clip.intervals:
+        events = [segment.event for segment in interval.segments]
         counts = (str(events.count(event)) if events else "–" for event in ("birth", "loss"))
-        kind = str(one.degree), "float32" if one.box is None else "16 bit", f"{len(one):,}"
-        rows.append((_date(clip, one.start), _date(clip, one.end), *counts, *kind))
+        storage = "float32" if interval.box is None else "16 bit"
+        details = str(interval.degree), storage, f"{len(interval):,}"
+        ends = _format_date(clip, interval.start), _format_date(clip, interval.end)
+        rows.append((*ends, *counts, *details))
     yield from _table(rows)
 
     rows = [("track", "kind", "grows from", "color", "born", "lost")]
     for track in tracks:
         parent = "" if track.parent is None else tracks[track.parent].name
         color = "#{:02x}{:02x}{:02x}".format(*track.color)
-        life = (_date(clip, track.born), "" if track.lost is None else _date(clip, track.lost))
-        rows.append((track.name, track.kind, parent, color, *life))
+        lost = "" if track.lost is None else _format_date(clip, track.lost)
+        born = _format_date(clip, track.born)
+        rows.append((track.name, track.kind, parent, color, born, lost))
     yield from _table(rows)
 
     yield ""
     for key, value in sorted(clip.provenance.items()):
         if key == "verdict" and isinstance(value, dict):
             value = value.get("line", value)
-        if isinstance(value, list) and key not in FOR_PROGRAMS:
+        if isinstance(value, list) and key not in UNLISTED_KEYS:
             yield f"{key}:"
-            yield from (f"  {_short(item)}" for item in value)
-        elif key not in FOR_PROGRAMS:
-            yield f"{key}: {_short(value)}"
+            yield from (f"  {_format_value(item)}" for item in value)
+        elif key not in UNLISTED_KEYS:
+            yield f"{key}: {_format_value(value)}"
 
 
-def _date(clip: Clip, time: float) -> str:
+def _format_date(clip: Clip, time: float) -> str:
+    """The date of the scan at a time, or else the time as a number."""
     return next((scan.date for scan in clip.scans if scan.time == time), "") or f"{time:g}"
 
 
-def _short(value: Any) -> str:
+def _format_value(value: Any) -> str:
     if isinstance(value, dict):
-        said = ((name, own) for name, own in value.items() if own not in (None, "", [], {}))
-        return ", ".join(f"{name} {_short(own)}" for name, own in said)
+        filled = ((key, item) for key, item in value.items() if item not in (None, "", [], {}))
+        return ", ".join(f"{key} {_format_value(item)}" for key, item in filled)
     if isinstance(value, list):
-        return "; ".join(map(_short, value))
+        return "; ".join(map(_format_value, value))
     return value if isinstance(value, str) else json.dumps(value)
 
 
 def _table(rows: Sequence[Sequence[str]]) -> Iterator[str]:
-    """Columns of text, the first row their titles."""
+    """Yield an empty line, and rows of cells as aligned columns."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     yield ""
     for row in rows:

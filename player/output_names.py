@@ -1,4 +1,4 @@
-"""Names of outputs: numbered sequences, and new files for exports."""
+"""Paths of exported files: numbered sequences, and names that are not in use yet."""
 
 import re
 from glob import escape
@@ -8,44 +8,45 @@ from pathlib import Path
 from gclip.terminal.atomic import check_output
 from player.errors import PlayerError
 
-NUMBER = re.compile(r"%0?\d*d")  # its place in the names of a sequence
-PROBE = 1 << 20  # bytes
+NUMBER_FIELD = re.compile(r"%0?\d*d")
+PROBE_SIZE = 1 << 20  # bytes
 
 
 def is_numbered(path: Path) -> bool:
-    """Whether the name has a place for a number, like %04d. Raises PlayerError for any other %."""
-    rest = NUMBER.sub("", path.name, count=1)
+    """Whether a file name has a number field like %04d; raises PlayerError for any other "%"."""
+    rest = NUMBER_FIELD.sub("", path.name, count=1)
     if "%" in rest:
         raise PlayerError(f'{path.name}: one number, like "%04d", is the only "%" that is allowed.')
     return rest != path.name
 
 
-def numbered(path: Path, number: int) -> Path:
-    """The file of a number; `path` itself where it has no place for one."""
+def numbered_path(path: Path, number: int) -> Path:
+    """Insert a frame's number into a path; a path without a number field is returned as it is."""
     return path.with_name(path.name % number) if is_numbered(path) else path
 
 
 def check_sequence(path: Path, force: bool) -> None:
-    """As `check_output`, for files that are numbered as the name says, like %04d.png."""
-    numbered = NUMBER.sub("[0-9]*", escape(path.name))
-    earlier, home = sorted(path.parent.glob(numbered)), path.parent
-    check_output(earlier[0] if earlier else path if home.exists() else home, force)
+    """Apply `gclip.terminal.atomic.check_output` to the files of a numbered sequence."""
+    pattern = NUMBER_FIELD.sub("[0-9]*", escape(path.name))
+    existing, folder = sorted(path.parent.glob(pattern)), path.parent
+    check_output(existing[0] if existing else path if folder.exists() else folder, force)
 
 
-def failure(part: Path, program: str) -> PlayerError:
-    """Why a program that can't tell gave up writing `part`, a draft.
+def write_error(part: Path, program: str) -> PlayerError:
+    """The error to raise where a program stopped writing `part` and gave no reason.
 
-    On a full disk our own write raises OSError, with the system's reason.
+    The file is extended first: on a full disk this raises the OSError that names the reason.
     """
     with part.open("ab") as file:
-        file.write(bytes(PROBE))
+        file.write(bytes(PROBE_SIZE))
     return PlayerError(f"{part.name} can't be written: {program} gave up.")
 
 
-def free_name(stem: str, example: str, folder: Path | None = None) -> Path:
-    """A new file for an export, in the working folder: film.mp4 becomes plant.mp4, plant-2.mp4, ...
+def unused_path(stem: str, example: str, folder: Path | None = None) -> Path:
+    """Choose a path that does not exist yet in a folder: plant.mp4, plant-2.mp4, ...
 
-    Numbered sequences get a folder of their own. No file is ever overwritten.
+    The suffix is that of a format's `example`. For numbered sequences, whose example lies in a
+    folder ("frames/%04d.png"), a new folder is chosen.
     """
     folder, pattern = folder or Path(), Path(example)
     stem = re.sub(r"[^\w.-]+", "-", stem).strip("-.")[:100] or "plant"

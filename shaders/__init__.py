@@ -1,7 +1,7 @@
-"""The GLSL sources of the renderer, in window, films and the web page.
+"""GLSL sources of the renderer, for the window, exports and the web page.
 
-One family, for OpenGL 3.3 (in compute shaders 4.3) and for WebGL 2: no source says its version.
-A source includes another one with ``#include "name.glsl"``, and each only once.
+The sources are valid for OpenGL 3.3 (compute shaders: 4.3) and for WebGL 2, and contain no version.
+A source includes another one by ``#include "name.glsl"``; each is included at most once.
 """
 
 import re
@@ -17,36 +17,36 @@ _HEADERS = {
 
 
 def source(name: str, **definitions: int | float) -> str:
-    """Read a shader for OpenGL.
+    """Read a shader for OpenGL, with its includes.
 
     Parameters
     ----------
     name : str
-        File in this package, such as ``"points.vert"``.
+        Name of a file in this package, such as ``"points.vert"``.
     **definitions : int or float
-        Written as ``#define NAME VALUE`` below the ``#version`` line.
+        Macros, written as ``#define NAME VALUE`` below the ``#version`` line.
 
     Returns
     -------
     str
-        The text that a driver compiles.
+        Source for the driver's compiler.
     """
     return with_header(resolved(name), PurePosixPath(name).suffix, **definitions)
 
 
 def with_header(text: str, suffix: str, **definitions: int | float) -> str:
-    """A resolved shader for OpenGL; suffix: ".vert", ".frag" or ".comp"."""
+    """Add version and macros for OpenGL to a shader; suffix: ".vert", ".frag" or ".comp"."""
     lines = "".join(f"#define {key} {value}\n" for key, value in sorted(definitions.items()))
     return _HEADERS[suffix] + lines + text
 
 
 def resolved(name: str) -> str:
-    """A shader with its includes: WebGL's page puts version, precision and definitions before."""
+    """Read a shader with its includes, without a version; web pages add WebGL's."""
     return with_includes(files(__name__).joinpath(name).read_text("utf-8"))
 
 
 def with_includes(text: str) -> str:
-    """A text with its includes, which are named as they are in this package."""
+    """Replace ``#include`` lines of a text by files of this package."""
     included = set()
 
     def include(found: re.Match[str]) -> str:

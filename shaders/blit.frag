@@ -1,4 +1,4 @@
-// Copies a picture, scaled to the viewport.
+// Copies a picture to the viewport, scaled to its size.
 in vec2 v_at;
 uniform sampler2D picture;
 out vec4 out_color;

@@ -1,4 +1,4 @@
-// Clears the targets of points: OpenGL's own clearing does not support integers here.
+// Clears a framebuffer of point codes, since moderngl cannot clear integer textures.
 
 layout(location = 0) out uint out_nearest;
 layout(location = 1) out uint out_picked;

@@ -1,4 +1,4 @@
-// Colours: sRGB and linear light (IEC 61966-2-1), and linear light in 32 bits.
+// Conversion between sRGB and linear light (IEC 61966-2-1), and packing of colours into 32 bits.
 
 vec3 srgb_to_linear(vec3 srgb) {
     return mix(srgb / 12.92, pow((srgb + 0.055) / 1.055, vec3(2.4)), step(0.04045, srgb));
@@ -10,7 +10,7 @@ vec3 linear_to_srgb(vec3 linear) {
                step(0.0031308, linear));
 }
 
-// As roots, so that dark colours keep their shades.
+// Square roots are stored, since the resolution of linear values would be too low in dark colours.
 uint packed_rgb(vec3 linear) {
     uvec3 root = uvec3(sqrt(clamp(linear, 0.0, 1.0)) * vec3(2047.0, 2047.0, 1023.0) + 0.5);
     return root.r << 21 | root.g << 10 | root.b;

@@ -1,9 +1,8 @@
-// Positions of points: the only interpolation, used by window, films, page and compute shaders
-// (docs/format.md, `Clip.at`).
+// Positions of points, as `Clip.at` computes them (docs/format.md).
 //
-// A point moves along a Bezier curve of DEGREE 1, 2 or 3. Its control points are read as the clip
-// stores them: integers that count steps from the interval's low corner, or floats with low 0 and
-// step 1. `weights` are the Bernstein weights at the layer's parameter.
+// Points move along Bezier curves of DEGREE 1, 2 or 3. Control points have the values stored in the
+// clip: either integers that count steps from the interval's lower corner, or floats, for which the
+// corner is 0 and the step is 1. `weights` are the Bernstein weights at the layer's parameter.
 
 uniform vec3 box_low;
 uniform vec3 box_step;

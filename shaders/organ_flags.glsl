@@ -1,6 +1,6 @@
-// The organs' colours, and with HAS_FLAGS which organs are hidden or dimmed.
+// Colours of organs, and with HAS_FLAGS their visibility.
 
-// Row by row; linear light; alpha: 0 hidden, 1 as usual, between: dimmed behind a highlighted one.
+// Linear light; alpha is 0 for hidden organs, 1 for visible ones, and in between for dimmed ones.
 uniform sampler2D palette;
 
 vec4 organ_texel(uint track) {

@@ -1,13 +1,13 @@
-// The finished picture: each pixel is the mean of SUPERSAMPLE squared samples, over wall and floor.
+// Composes the picture: the mean of SUPERSAMPLE x SUPERSAMPLE samples, over the background.
 #include "color.glsl"
 #include "ground.glsl"
 
 in vec2 v_at;
-uniform sampler2D light;    // times cover, cover
-uniform bool transparent;   // without a background
+uniform sampler2D light;    // light times coverage, coverage
+uniform bool transparent;   // whether to leave out the background
 out vec4 out_color;         // sRGB, unassociated alpha
 
-// Dithering against bands in 8-bit gradients (interleaved gradient noise, Jimenez 2014).
+// Interleaved gradient noise (Jimenez 2014), against visible bands in gradients of 8 bits.
 float dither() {
     vec2 texel = floor(gl_FragCoord.xy);
     return (fract(52.9829189 * fract(dot(texel, vec2(0.06711056, 0.00583715)))) - 0.5) / 255.0;

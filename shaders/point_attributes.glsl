@@ -1,4 +1,5 @@
-// A point's vertex attributes. DEGREE and SCAN_COLORS say what its interval has.
+// Vertex attributes of a point, which depend on its interval: on the DEGREE of curves, and on
+// whether there are SCAN_COLORS.
 
 #include "interpolate.glsl"
 

@@ -1,10 +1,10 @@
-// Four points at a time from storage buffers, for compute shaders, in the bindings that are the
-// locations of point_attributes.glsl. A quantised position is three 16-bit numbers, so four of them
-// are three times 64 bits.
+// Points in storage buffers, for compute shaders; bindings: the locations of point_attributes.glsl.
+// Points are read in groups of four: only four quantised positions of 3 x 16 bits fill words of 64
+// bits.
 #include "interpolate.glsl"
 
 #if QUANTISED
-#define WORDS 3  // of 64 bits, for four points
+#define WORDS 3  // words of 64 bits for four positions
 #else
 #define WORDS 6
 #endif
@@ -34,17 +34,17 @@ vec3[4] unpacked(uvec2 w[WORDS]) {
 }
 #endif
 
-// The control points of four curves; those beyond the last point mean nothing.
+// Control points of four curves; curves beyond the last point are undefined.
 struct Curves {
     vec3 points[DEGREE + 1][4];
 };
 
-Curves stored_curves(uint four) {
+Curves stored_curves(uint group) {
     Curves curves;
     for (int k = 0; k <= DEGREE; ++k) {
         uvec2 words[WORDS];
         for (uint i = 0u; i < uint(WORDS); ++i) {
-            words[i] = stored_points[k].words[four * uint(WORDS) + i];
+            words[i] = stored_points[k].words[group * uint(WORDS) + i];
         }
         curves.points[k] = unpacked(words);
     }
@@ -59,12 +59,12 @@ vec3[DEGREE + 1] curve_of(Curves curves, int i) {
     return curve;
 }
 
-uint[4] stored_tracks(uint four) {
+uint[4] stored_tracks(uint group) {
 #if WIDE_TRACKS
-    return uint[](stored_track[4u * four], stored_track[4u * four + 1u],
-                  stored_track[4u * four + 2u], stored_track[4u * four + 3u]);
+    return uint[](stored_track[4u * group], stored_track[4u * group + 1u],
+                  stored_track[4u * group + 2u], stored_track[4u * group + 3u]);
 #else
-    uint low = stored_track[2u * four], high = stored_track[2u * four + 1u];
+    uint low = stored_track[2u * group], high = stored_track[2u * group + 1u];
     return uint[](low & 0xFFFFu, low >> 16, high & 0xFFFFu, high >> 16);
 #endif
 }

@@ -1,6 +1,6 @@
-// Finds the nearest point of every sample (after Schuetz et al. 2021, "Rendering point clouds with
-// compute shaders and vertex order optimization"). With PICK, in a second run over the points, the
-// nearest ones write their colours.
+// Finds the nearest point in each sample (after Schuetz et al. 2021, "Rendering point clouds with
+// compute shaders and vertex order optimization"). A second pass over the points, with PICK, writes
+// the colours of the nearest points.
 #include "point_storage.glsl"
 #include "nearest_point.glsl"
 #include "dissolve.glsl"
@@ -12,22 +12,22 @@ layout(r32ui, binding = 0) uniform uimage2D nearest;
 layout(r32ui, binding = 1) uniform uimage2D picked;
 #endif
 uniform int count;
-uniform int stride;  // of so many fours one is drawn
+uniform int stride;  // every n-th group of four points is drawn
 
 void draw(int point, vec3 curve[DEGREE + 1], uint track) {
     ivec2 texel;
-    uint number;
+    uint code;
     if (point >= count || is_hidden(track) || presence(point) == 0.0
-            || !place_point(bezier(curve), track, texel, number)) {
+            || !place_point(bezier(curve), track, texel, code)) {
         return;
     }
 #if !PICK
-    // Most points are occluded by an earlier one, and reading is cheaper than an atomic operation.
-    if (imageLoad(nearest, texel).r > number) {
-        imageAtomicMin(nearest, texel, number);
+    // Most points are occluded by earlier ones, and reading is faster than an atomic operation.
+    if (imageLoad(nearest, texel).r > code) {
+        imageAtomicMin(nearest, texel, code);
     }
 #else
-    if (imageLoad(nearest, texel).r == number) {
+    if (imageLoad(nearest, texel).r == code) {
         vec3 color = point_color(curve, track, stored_start(point), stored_end(point));
         imageAtomicMax(picked, texel, packed_rgb(color));
     }
@@ -35,14 +35,14 @@ void draw(int point, vec3 curve[DEGREE + 1], uint track) {
 }
 
 void main() {
-    int four = int(gl_GlobalInvocationID.x) * stride;
-    if (4 * four >= count) {
+    int group = int(gl_GlobalInvocationID.x) * stride;
+    if (4 * group >= count) {
         return;
     }
-    Curves curves = stored_curves(uint(four));
-    uint tracks[4] = stored_tracks(uint(four));
-    draw(4 * four, curve_of(curves, 0), tracks[0]);
-    draw(4 * four + 1, curve_of(curves, 1), tracks[1]);
-    draw(4 * four + 2, curve_of(curves, 2), tracks[2]);
-    draw(4 * four + 3, curve_of(curves, 3), tracks[3]);
+    Curves curves = stored_curves(uint(group));
+    uint tracks[4] = stored_tracks(uint(group));
+    draw(4 * group, curve_of(curves, 0), tracks[0]);
+    draw(4 * group + 1, curve_of(curves, 1), tracks[1]);
+    draw(4 * group + 2, curve_of(curves, 2), tracks[2]);
+    draw(4 * group + 3, curve_of(curves, 3), tracks[3]);
 }

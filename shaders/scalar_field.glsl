@@ -1,11 +1,11 @@
-// A point's value from 0 to 1, and its colour: SCALAR_FIELD 1 is height, 2 is speed
+// Value of a point from 0 to 1, and its colour; SCALAR_FIELD is 1 for height and 2 for speed
 // (player/view/colors.py).
 
 #if SCALAR_FIELD
-uniform sampler2D ramp;            // linear light, from value 0 to 1
-uniform vec4 height_axis;          // position to value: xyz the axis, w the offset
-uniform float max_speed;           // the speed of value 1
-uniform float slopes[DEGREE + 1];  // weights of the curve's points in the point's velocity
+uniform sampler2D ramp;            // colour map in linear light
+uniform vec4 height_axis;          // value = dot(xyz, position) + w
+uniform float max_speed;           // speed of value 1
+uniform float velocity_weights[DEGREE + 1];  // of the control points
 
 float scalar_value(vec3 curve[DEGREE + 1]) {
 #if SCALAR_FIELD == 1
@@ -13,7 +13,7 @@ float scalar_value(vec3 curve[DEGREE + 1]) {
 #else
     vec3 velocity = vec3(0.0);
     for (int i = 0; i <= DEGREE; ++i) {
-        velocity += slopes[i] * curve[i];
+        velocity += velocity_weights[i] * curve[i];
     }
     return length(box_step * velocity) / max_speed;
 #endif

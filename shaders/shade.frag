@@ -1,23 +1,23 @@
-// Lights the plant sample by sample: a surface given by depths and, where points have them,
-// normals, with eye-dome lighting (Boucheny 2009).
+// Deferred shading of the plant, with eye-dome lighting (Boucheny 2009). Where points have no
+// normals, these are derived from depths.
 #include "depth.glsl"
 
-const int RINGS = 3, DIRECTIONS = 8;  // of the samples of the surroundings
+const int RINGS = 3, DIRECTIONS = 8;  // of the neighbours that are sampled for eye-dome lighting
 const mat2 TURN = mat2(0.7071, 0.7071, -0.7071, 0.7071);  // to the next direction
 const mat2 OUTWARDS = 2.8 * mat2(0.9666, 0.2563, -0.2563, 0.9666);  // to the next ring
-const vec3 KEY_LIGHT = vec3(-0.75, 0.10, 0.65);  // from where `up_dir` points, where the lamp is
+const vec3 KEY_LIGHT = vec3(-0.75, 0.10, 0.65);  // from `up_dir` to the direction of the lamp
 
-uniform sampler2D colors;  // linear light, cover
+uniform sampler2D colors;  // linear light, coverage
 uniform sampler2D depths;  // relative
 uniform sampler2D normals;  // see gbuffer.glsl
-uniform float eye_dome;    // strength of the shading
-uniform float depth_cue;   // share of the fog on what is farthest
-uniform vec3 up_dir;       // in the eye's coordinates
-uniform vec3 ambient_top;  // linear light from above, from below, and of the lamp
+uniform float eye_dome;    // strength of eye-dome lighting
+uniform float depth_cue;   // share of fog in the colour of the farthest parts
+uniform vec3 up_dir;       // in eye coordinates
+uniform vec3 ambient_top;  // light from above, from below, and of the lamp; linear
 uniform vec3 ambient_bottom;
 uniform vec3 key_light;
-uniform vec3 fog_color;    // what far parts recede into
-out vec4 out_light;        // times cover, cover
+uniform vec3 fog_color;    // that distant parts fade into
+out vec4 out_light;        // light times coverage, coverage
 
 float depth_at(ivec2 texel) {
     return texelFetch(depths, clamp(texel, ivec2(0), textureSize(depths, 0) - 1), 0).r;
@@ -29,54 +29,55 @@ vec3 view_pos(ivec2 texel, float depth) {
     return vec3((2.0 * at - 1.0) * half_extent * clip_w(view_depth), -view_depth);
 }
 
-// The vector to the surface `aside` samples further on. At an edge it is that of the side on the
-// same surface, and without any neighbour that of a plane facing the camera.
-vec3 slope(ivec2 texel, ivec2 aside, float depth) {
+// The tangent of the surface in the direction of `offset` (in samples) by central differences; at
+// an edge by the neighbour on the same surface. Without neighbours the surface faces the camera.
+vec3 tangent(ivec2 texel, ivec2 offset, float depth) {
     ivec2 last = textureSize(depths, 0) - 1;
-    ivec2 ahead = min(texel + aside, last), back = max(texel - aside, ivec2(0));
+    ivec2 ahead = min(texel + offset, last), back = max(texel - offset, ivec2(0));
     float next = depth_at(ahead), previous = depth_at(back);
-    vec3 here = view_pos(texel, depth);
-    vec3 forward = view_pos(ahead, next) - here, backward = here - view_pos(back, previous);
+    vec3 center = view_pos(texel, depth);
+    vec3 forward = view_pos(ahead, next) - center, backward = center - view_pos(back, previous);
     float a = next < NOTHING && ahead != texel ? abs(next - depth) : NOTHING;
     float b = previous < NOTHING && back != texel ? abs(previous - depth) : NOTHING;
-    vec3 found = a > 3.0 * b ? backward : b > 3.0 * a ? forward : forward + backward;
-    return min(a, b) < NOTHING ? found : vec3(aside, 0.0);
+    vec3 difference = a > 3.0 * b ? backward : b > 3.0 * a ? forward : forward + backward;
+    return min(a, b) < NOTHING ? difference : vec3(offset, 0.0);
 }
 
 vec3 normal_at(ivec2 texel, float depth) {
     float splat_px = radius * focal_px / clip_w(view_depth_of(depth));
-    int reach = int(clamp(0.5 * splat_px, 1.0, 8.0));
-    return normalize(cross(slope(texel, ivec2(reach, 0), depth), slope(texel, ivec2(0, reach), depth)));
+    int offset = int(clamp(0.5 * splat_px, 1.0, 8.0));
+    return normalize(cross(tangent(texel, ivec2(offset, 0), depth),
+                           tangent(texel, ivec2(0, offset), depth)));
 }
 
-// How much the surroundings occlude a sample, from 0 where nothing is in front of it. What lies far
-// in front is another organ and darkens less, or every leaf would have a black outline.
+// Occlusion of a sample by its neighbours in the picture, 0 if none is in front of it. Those far in
+// front are other organs and occlude less; otherwise every leaf would have a black outline.
 float occlusion(ivec2 texel, float depth) {
-    float sum = 0.0, inv_depth = 1.0 / 0.012;  // of the depth that occludes most
-    vec2 aside = vec2(max(1.2 * float(textureSize(depths, 0).y) / 720.0, 1.0), 0.0);
+    float sum = 0.0, inv_depth = 1.0 / 0.012;  // inverse of the depth that occludes most
+    vec2 offset = vec2(max(1.2 * float(textureSize(depths, 0).y) / 720.0, 1.0), 0.0);
     for (int ring = 0; ring < RINGS; ++ring) {
         for (int i = 0; i < DIRECTIONS; ++i) {
-            float other = depth_at(texel + ivec2(round(aside)));
-            float front = max((depth - other) * inv_depth, 0.0);
+            float neighbor = depth_at(texel + ivec2(round(offset)));
+            float front = max((depth - neighbor) * inv_depth, 0.0);
             sum += front / (1.0 + front * front);
-            aside = TURN * aside;
+            offset = TURN * offset;
         }
         inv_depth /= 2.2;
-        aside = OUTWARDS * aside;
+        offset = OUTWARDS * offset;
     }
     return sum / float(RINGS * DIRECTIONS);
 }
 
-// The light that a surface reflects to the camera.
+// Light that the surface reflects to the camera.
 vec3 lit(ivec2 texel, vec3 albedo) {
     float depth = depth_at(texel);
-    vec2 aside = texelFetch(normals, texel, 0).rg;
-    vec3 known = vec3(aside, sqrt(max(1.0 - dot(aside, aside), 0.0)));
-    vec3 normal = aside.x < UNKNOWN ? known : normal_at(texel, depth);
+    vec2 lateral = texelFetch(normals, texel, 0).rg;
+    vec3 known = vec3(lateral, sqrt(max(1.0 - dot(lateral, lateral), 0.0)));
+    vec3 normal = lateral.x < UNKNOWN ? known : normal_at(texel, depth);
     vec3 to_eye = normalize(-view_pos(texel, depth));
     to_eye = perspective > 0.0 ? to_eye : vec3(0.0, 0.0, 1.0);
 
-    // Leaves are thin: light from behind shines through.
+    // Leaves are thin and translucent: they are also lit from behind.
     vec3 to_lamp = normalize(up_dir + KEY_LIGHT);
     float facing = dot(normal, to_lamp);
     float direct = max(facing, 0.0) + 0.40 * max(-facing, 0.0);

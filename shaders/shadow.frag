@@ -1,3 +1,4 @@
+// Writes the coverage of a point for the shadow.
 flat in vec2 v_cover;
 out vec2 out_cover;
 

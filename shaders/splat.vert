@@ -1,5 +1,5 @@
-// A point as a splat: the disc about its normal as the eye sees it, an ellipse; where its interval
-// has no normals, a disc that faces the eye (Zwicker et al. 2001, "Surface splatting").
+// Draws points as splats: discs perpendicular to their normals, which appear as ellipses, or discs
+// that face the eye if the interval has no normals (Zwicker et al. 2001, "Surface splatting").
 #include "point_attributes.glsl"
 #include "depth.glsl"
 #include "dissolve.glsl"
@@ -7,33 +7,32 @@
 
 uniform mat4 view;
 uniform mat4 projection;
-uniform float lift;  // 1 to draw whole splats, and test the nearest depth of their surface; else 0
+uniform float lift;  // 1 to draw whole splats, moved forward by the thickness of a surface
 
 flat out vec3 v_color;
-flat out vec3 v_depth;  // before the eye, of the middle; how much it grows aside in one radius
+flat out vec3 v_depth;  // depth of the centre, and its increase per radius right and up
 flat out float v_radius;  // in the clip's unit
-flat out float v_span;  // half the point's side, in radii
-flat out vec2 v_stretch;  // along it lengths grow by the factor 1 + stretch squared
-flat out vec2 v_normal;  // in the eye's coordinates
+flat out float v_span;  // half the side of the point primitive, in radii
+flat out vec2 v_stretch;  // distances in the disc are longer along it by 1 + its squared length
+flat out vec2 v_normal;  // x and y in eye coordinates
 flat out uint v_track;
 
-// Limits for discs that are seen edge-on: half their width in samples, and their slope, because
-// normals are not known more precisely.
-const float THINNEST_PX = 0.75, STEEPEST = 2.5;
+// Limits for discs seen edge-on, since normals are not precise: half their width, and their slope.
+const float MIN_HALF_WIDTH_PX = 0.75, MAX_SLOPE = 2.5;
 
 #if NORMALS
-layout(location = 7) in vec4 in_normals;  // octahedral, at the interval's ends
-uniform float turned;                     // share of the way from the one to the other
+layout(location = 7) in vec4 in_normals;  // octahedral coordinates at the interval's start and end
+uniform float normal_share;               // weight of the normal at the end
 
 vec3 normal_of(vec2 code) {
-    vec2 aside = vec2(code.x + code.y - 1.0, code.x - code.y);
-    return normalize(vec3(aside, 1.0 - abs(aside.x) - abs(aside.y)));
+    vec2 lateral = vec2(code.x + code.y - 1.0, code.x - code.y);
+    return normalize(vec3(lateral, 1.0 - abs(lateral.x) - abs(lateral.y)));
 }
 
-// Towards the eye, in its coordinates. A plane has two sides: the end's is the nearer one.
+// The normal towards the eye, in eye coordinates. Normals of the clip have arbitrary signs.
 vec3 normal_to_eye(vec3 ray) {
     vec3 start = normal_of(in_normals.xy), end = normal_of(in_normals.zw);
-    vec3 normal = mat3(view) * mix(start, dot(start, end) < 0.0 ? -end : end, turned);
+    vec3 normal = mat3(view) * mix(start, dot(start, end) < 0.0 ? -end : end, normal_share);
     return normalize(dot(normal, ray) > 0.0 ? -normal : normal);
 }
 #else
@@ -42,7 +41,7 @@ vec3 normal_to_eye(vec3 ray) {
 }
 #endif
 
-// Half the side of the smallest square about an ellipse, in radii.
+// Half the side of the bounding square of an ellipse, in radii.
 float extent_of(vec2 stretch) {
     mat2 shape = mat2(1.0) - outerProduct(stretch, stretch) / (1.0 + dot(stretch, stretch));
     return max(length(shape[0]), length(shape[1]));
@@ -57,9 +56,9 @@ void main() {
 
     vec3 ray = vec3(perspective * view_pos.xy / max(depth, 1e-6), -1.0);
     vec3 normal = normal_to_eye(ray);
-    vec2 slope = normal.xy / max(-dot(normal, ray), 1e-3);  // how much deeper the disc gets aside
+    vec2 slope = normal.xy / max(-dot(normal, ray), 1e-3);  // increase of depth right and up
     vec2 along = slope / max(length(slope), 1e-6);
-    slope = along * min(length(slope), min(STEEPEST, 0.5 * diameter / THINNEST_PX));
+    slope = along * min(length(slope), min(MAX_SLOPE, 0.5 * diameter / MIN_HALF_WIDTH_PX));
     v_stretch = along * sqrt(sqrt(1.0 + dot(slope, slope)) - 1.0);
     v_span = (lift > 0.0 ? RIM : CORE) * extent_of(v_stretch);
 

@@ -1,4 +1,4 @@
-// Third pass over the splats: the surface behind the nearest one, drawn where that one ends.
+// Third pass over the splats: draws the surface behind the nearest one, where that one ends.
 #include "splat_disc.glsl"
 
 uniform sampler2D front;  // relative depths of the nearest surface

@@ -1,6 +1,6 @@
-// First pass over the splats: the depth of the nearest surface. Only a splat's core occludes what
-// lies behind it, because surfaces blend into each other at the rim. The depth test compares the
-// depths of centres, because a shader that writes depths would also run for occluded samples.
+// First pass over the splats: finds the depth of the nearest surface. Only the cores of splats
+// occlude, because rims are blended. The depth test compares depths of centres, because a shader
+// that writes depths would also run for occluded fragments.
 #include "splat_disc.glsl"
 
 layout(location = 0) out float out_front;  // relative

@@ -1,15 +1,15 @@
-// Converts the splats' sums to colour, coverage, depth and normal. The surface ends where the mean
-// of the surrounding splats lies too far aside (Adamson and Alexa 2004, "Approximating bounded,
-// non-orientable surfaces from points"), which is smoother than the rims of splats.
+// Converts the sums of splats to colour, coverage, depth and normal. The surface ends where the
+// weighted mean of the surrounding centres is too far away (Adamson and Alexa 2004, "Approximating
+// bounded, non-orientable surfaces from points"), which is smoother than the rims of splats.
 #include "gbuffer.glsl"
 
 uniform sampler2D front;
 uniform sampler2D color_sums;
 uniform sampler2D moment_sums;
 uniform sampler2D normal_sums;
-uniform float edge;  // how far aside, in radii
+uniform float edge;  // largest distance of that mean, in radii
 
-const float SOFT = 0.04;
+const float SOFTNESS = 0.04;  // half the width of the transition, in radii
 
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
@@ -18,6 +18,6 @@ void main() {
     vec2 normal = texelFetch(normal_sums, texel, 0).rg / max(color.a, 1e-6);
     float nearest = texelFetch(front, texel, 0).r;
     float depth = (nearest == NOTHING ? 0.0 : nearest) + moment.x;
-    float inside = smoothstep(edge + SOFT, edge - SOFT, length(moment.zw));
+    float inside = smoothstep(edge + SOFTNESS, edge - SOFTNESS, length(moment.zw));
     write_gbuffer(color, depth, moment.y > 0.0 ? normal : vec2(UNKNOWN), inside);
 }

@@ -1,14 +1,14 @@
-// Marks the tiles of the picture that have splats in them.
+// Marks tiles of the picture that contain splats.
 
 uniform sampler2D color_sums;
 out float out_occupied;
 
 void main() {
     ivec2 corner = ivec2(gl_FragCoord.xy) * TILE, last = textureSize(color_sums, 0) - 1;
-    float most = 0.0;
+    float max_weight = 0.0;
     for (int i = 0; i < TILE * TILE; ++i) {
         ivec2 texel = min(corner + ivec2(i % TILE, i / TILE), last);
-        most = max(most, texelFetch(color_sums, texel, 0).a);
+        max_weight = max(max_weight, texelFetch(color_sums, texel, 0).a);
     }
-    out_occupied = most > 0.0 ? 1.0 : 0.0;
+    out_occupied = max_weight > 0.0 ? 1.0 : 0.0;
 }

@@ -1,4 +1,4 @@
-"""Convert between times and dates, in the style of the scans' dates."""
+"""Convert between times and dates in the style of the scans' dates, and format them."""
 
 from __future__ import annotations
 
@@ -50,3 +50,23 @@ def day_of(scans: Sequence[ScanMark], text: str) -> float | None:
         since = datetime.fromisoformat(text) - datetime.fromisoformat(scans[0].date)
         return scans[0].time + since / timedelta(days=1)
     return None
+
+
+def elapsed(scans: Sequence[ScanMark], day: float, unit: str) -> str:
+    """Format the time since the first scan as "+3.4 days", or as "scan 2.4" without dates.
+
+    The result is empty if the date itself states that time, such as "day 3.4".
+    """
+    if unit == "days":
+        since = f"{day - scans[0].time:.1f}"
+        stated = re.fullmatch(r"\D*(\d+(?:\.\d+)?)", date_at(scans, day))
+        return "" if stated and f"{float(stated[1]):.1f}" == since else f"+{since} days"
+    return f"scan {1.0 + day - scans[0].time:.1f}"
+
+
+def short_dates(dates: Sequence[str]) -> list[str]:
+    """Remove the year from ISO dates if it is the same in all of them."""
+    years = {date[:5] for date in dates}
+    if len(years) == 1 and all(re.fullmatch(r"\d{4}-\d\d-\d\d.*", date) for date in dates):
+        return [date[5:] for date in dates]
+    return list(dates)

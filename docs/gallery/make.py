@@ -66,7 +66,7 @@ def clip_of(name: str, work: Path) -> Path:
 def growing(work: Path) -> None:
     """The first thing that people see: a tomato plant grows, and turns a little."""
     clip, size = gclip.open(clip_of("tomato", work)), (720, 460)
-    film = Film(size=size, fps=15, seconds=6.0, annotations=Annotations(date=True, scale=True))
+    film = Film(size=size, fps=15, seconds=6.0, annotations=Annotations(date=True, scale_bar=True))
     days, home = film.days(clip), Camera.home(clip, film.aspect)
     frames = []
     with Offscreen(clip, size) as offscreen:

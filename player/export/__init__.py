@@ -1,6 +1,6 @@
-"""Pictures, films, pages, geometry and tables of a clip, drawn without a screen."""
+"""Export of a clip to pictures, films, web pages, geometry files and tables."""
 
 import lazy_loader
 
-# numpy and the formats load when something is exported: `play --help` stays instant.
+# Submodules are imported on first use to keep `play --help` fast.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,4 +1,4 @@
-"""Writes into pictures, with Pillow, what `player.view.annotations` says."""
+"""Annotations of exported pictures, drawn by Pillow."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.view.annotations import BOLD, LARGE, REGULAR, RGB, draw_annotations, font_file
+from player.view.annotations import BOLD, LARGE_FONT, REGULAR, RGB, draw_annotations, font_path
 from player.view.camera import Camera
 from player.view.colors import ValueRange
 from player.view.style import GROUNDS
@@ -17,9 +17,9 @@ from player.view.style import GROUNDS
 if TYPE_CHECKING:
     from player.export.film import Film
 
-MARGIN = 30  # units
-HALO = 2  # about texts, that they can be read where they lie over the plant
-MIN_UNIT = 0.6  # pixels: the small text is then 9 of them high
+MARGIN = 30  # units between annotations and the picture's edges
+HALO_WIDTH = 2  # units of an outline that keeps text legible over the plant
+MIN_UNIT = 0.6  # pixels; the small font is then 9 pixels high
 
 
 def annotated(
@@ -30,25 +30,24 @@ def annotated(
     clip: Clip,
     values: ValueRange | None,
 ) -> NDArray[np.uint8]:
-    """A picture of a film, (height, width, 4) uint8 sRGB, with its title and annotations.
+    """Draw title and annotations of a film over a picture, (height, width, 4) uint8 sRGB.
 
-    camera: from where it was seen, for the scale bar; values: what the legend explains, if not the
-    organs' colours.
+    day, camera: of the picture; values: for a colour bar, None for a legend of the organs.
     """
     from PIL import Image, ImageDraw
 
-    wanted = film.annotations
-    if not (film.title or wanted.date or wanted.scale or wanted.legend):
+    chosen = film.annotations
+    if not (film.title or chosen.date or chosen.scale_bar or chosen.legend):
         return picture
     overlay = Image.new("RGBA", film.size, (0, 0, 0, 0))
     pen = PillowPen(ImageDraw.Draw(overlay), film)
-    pen.text(0, 0, film.title, LARGE, bold=True)
-    draw_annotations(pen, wanted, day, camera, clip, values)
+    pen.text(0, 0, film.title, LARGE_FONT, bold=True)
+    draw_annotations(pen, chosen, day, camera, clip, values)
     return np.asarray(Image.alpha_composite(Image.fromarray(picture), overlay))
 
 
 class PillowPen:
-    """A `player.view.annotations.Pen`. Small pictures have larger units, or nobody could read."""
+    """Implements `player.view.annotations.Pen`; MIN_UNIT keeps text legible in small pictures."""
 
     def __init__(self, draw: Any, film: Film) -> None:
         ground = GROUNDS[film.style.ground]
@@ -62,23 +61,23 @@ class PillowPen:
         self, x: float, y: float, text: str, size: float, bold: bool = False, muted: bool = False
     ) -> None:
         self._draw.text(
-            self._at(x, y),
+            self._corner(x, y),
             "".join(c if c.isprintable() else " " for c in text),
             fill=self._muted if muted else self._text,
             font=_font(BOLD if bold else REGULAR, size * self._unit),
-            stroke_width=max(round(HALO * self._unit), 1),
+            stroke_width=max(round(HALO_WIDTH * self._unit), 1),
             stroke_fill=self._halo,
             anchor=("r" if x < 0 else "l") + ("d" if y < 0 else "a"),
         )
 
     def box(self, x: float, y: float, width: float, height: float, color: RGB | None) -> None:
-        corner, sides = np.array(self._at(x, y)), self._unit * np.array([width, height])
+        corner, sides = np.array(self._corner(x, y)), self._unit * np.array([width, height])
         opposite = corner + np.where([x < 0, y < 0], -sides, sides)
         first, end = np.round(np.sort([corner, opposite], axis=0)).astype(int)
         box = (*first.tolist(), *np.maximum(end - 1, first).tolist())
         self._draw.rectangle(box, fill=color or self._text)
 
-    def _at(self, x: float, y: float) -> tuple[float, float]:
+    def _corner(self, x: float, y: float) -> tuple[float, float]:
         width, height = self.size
         return (
             self._unit * (width - MARGIN + x + 1 if x < 0 else MARGIN + x),
@@ -88,9 +87,7 @@ class PillowPen:
 
 @cache
 def _font(name: str, size: float) -> Any:
-    """The window's own font, in Pillow's basic layout: with libraqm, where the system has that,
-    letters would stand elsewhere.
-    """
+    """Load a font, with Pillow's basic layout because only some systems have libraqm."""
     from PIL import ImageFont
 
-    return ImageFont.truetype(font_file(name), size, layout_engine=ImageFont.Layout.BASIC)
+    return ImageFont.truetype(font_path(name), size, layout_engine=ImageFont.Layout.BASIC)

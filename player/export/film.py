@@ -1,4 +1,4 @@
-"""A film: which day each of its frames shows, from where it is seen, and how far drawing is."""
+"""Films and still pictures of a clip: day and camera of each frame, and the frames themselves."""
 
 import math
 from collections.abc import Callable, Generator, Iterator
@@ -18,45 +18,42 @@ from player.view.camera_animation import CameraPath
 from player.view.colors import Colors
 from player.view.style import Style
 
-Progress = Callable[[int, int], None]  # steps done, steps in all
+Progress = Callable[[int, int], None]  # is called with the number of steps done and of all steps
 
-SECONDS_AN_INTERVAL = 1.5
-SHORTEST, LONGEST = 4.0, 30.0  # seconds of a film whose length was not asked for
-HELD_FIRST, HELD_LAST = 0.04, 0.12  # shares of the film that rest on the first and the last scan
+SECONDS_PER_INTERVAL = 1.5  # of a film without a given length
+MIN_SECONDS, MAX_SECONDS = 4.0, 30.0  # of such a film
+FIRST_SCAN_SHARE, LAST_SCAN_SHARE = 0.04, 0.12  # of the film, that show the first and last scan
 
 
 @dataclass(frozen=True)
 class Film:
-    """A film, or with `at` a still picture."""
+    """What to export: a film of the whole series, or still pictures of the days `at`."""
 
     size: tuple[int, int] = (1280, 720)  #: (width, height) in pixels
-    fps: int = 30  #: frames a second
-    seconds: float | None = None  #: length; None fits it to the number of scans
-    turning: bool = False  #: the camera goes round the plant once, and ends where it began
+    fps: int = 30  #: frames per second
+    seconds: float | None = None  #: length; by default it depends on the number of scans
+    turning: bool = False  #: whether the camera makes one turn about the plant
     style: Style = field(default_factory=Style)
-    #: the days of still pictures, one each; empty films real time, first to last scan
-    at: tuple[float, ...] = ()
-    #: the time between two frames, in the clip's unit, from the first scan on; None spreads the
-    #: frames over the film's length
-    every: float | None = None
-    title: str = ""  #: written into the picture or on the page, "" where nothing was said
-    #: what else is written into the picture
+    at: tuple[float, ...] = ()  #: days of still pictures; empty for a film
+    every: float | None = None  #: time between frames in the clip's unit, instead of a length
+    title: str = ""  #: written into pictures and pages
     annotations: Annotations = field(default_factory=Annotations)
-    transparent: bool = False  #: the plant alone, on no ground
-    name: str = "plant"  #: what the plant is called where it needs a name: its clip's
-    path: CameraPath | None = None  #: the camera on every day; None shows the whole plant
+    transparent: bool = False  #: whether to leave out the background
+    name: str = "plant"  #: name of the plant in files without a title
+    path: CameraPath | None = None  #: of the camera; by default the whole plant is shown
 
     @property
     def aspect(self) -> float:
+        """Width divided by height."""
         return self.size[0] / self.size[1]
 
     def length(self, clip: Clip) -> float:
-        """In seconds."""
+        """Length of the film in seconds."""
         if self.every is not None:
             return self.frame_count(clip) / self.fps
         if self.seconds is not None:
             return self.seconds
-        return min(max(SECONDS_AN_INTERVAL * len(clip.intervals), SHORTEST), LONGEST)
+        return min(max(SECONDS_PER_INTERVAL * len(clip.intervals), MIN_SECONDS), MAX_SECONDS)
 
     def frame_count(self, clip: Clip) -> int:
         if self.every is not None:
@@ -64,39 +61,38 @@ class Film:
         return len(self.at) or max(1, round(self.length(clip) * self.fps))
 
     def days(self, clip: Clip) -> list[float]:
-        """The day of every frame: real time, with a rest on the first and the last scan."""
+        """The day of each frame; a film stays at the first and at the last scan for a while."""
         if self.at:
             return list(self.at)
         count, ends = self.frame_count(clip), (clip.times[0], clip.times[-1])
         if self.every is not None:
             return [min(ends[0] + i * self.every, ends[1]) for i in range(count)]
-        shares = np.linspace(1.0, 0.0, count)[::-1]  # of the film; one frame shows the last scan
-        return np.interp(shares, (HELD_FIRST, 1.0 - HELD_LAST), ends).tolist()
+        shares = np.linspace(1.0, 0.0, count)[::-1]  # a single frame shows the last scan
+        return np.interp(shares, (FIRST_SCAN_SHARE, 1.0 - LAST_SCAN_SHARE), ends).tolist()
 
     def frames(self, clip: Clip, offscreen: Offscreen) -> Iterator[NDArray]:
-        """(height, width, 4) uint8 pictures, one after the other; while film and camera rest, the
-        same one comes again, undrawn.
+        """Yield (height, width, 4) uint8 sRGB frames; equal consecutive frames are drawn once.
 
-        Raises PlayerError for a legend of colours that mean nothing: the scans' own.
+        Raises PlayerError for a legend if the clip is shown in the colours of its scans.
         """
-        values = Colors(clip).color_scale(self.style) if self.annotations.legend else None
+        values = Colors(clip).value_range(self.style) if self.annotations.legend else None
         if self.annotations.legend and self.style.color_mode(clip) == "scan":
             raise PlayerError(
                 "--legend explains colours of organs and values, not the scans' own; "
                 "add --color track, age, speed, height or error, or leave it out."
             )
         views = zip(self.days(clip), self.cameras(clip), strict=True)
-        for (day, camera), resting in groupby(views):
+        for (day, camera), repeats in groupby(views):
             plain = offscreen.picture(day, camera, self.style, self.transparent)
             picture = annotated(plain, day, camera, self, clip, values)
-            for _ in resting:
+            for _ in repeats:
                 yield picture
 
     def pictures(self, clip: Clip, progress: Progress) -> Generator[NDArray, None, None]:
-        """The frames, each drawn as it is asked for.
+        """Yield the frames, each drawn when it is requested, and report progress.
 
-        OpenGL starts with the first one: an encoder is started before, since drivers have threads
-        and locks that a fork may hang on (imageio-ffmpeg, issue 58).
+        OpenGL is started with the first frame, after an encoder's process: drivers have threads and
+        locks, with which a later fork may hang (imageio-ffmpeg, issue 58).
         """
         total = self.frame_count(clip)
         with Offscreen(clip, self.size) as offscreen:
@@ -106,7 +102,7 @@ class Film:
                 progress(done, total)
 
     def cameras(self, clip: Clip) -> list[Camera]:
-        """From where each frame is seen."""
+        """The camera of each frame."""
         days, home = self.days(clip), Camera.home(clip, self.aspect, turning=self.turning)
         starts = [self.path.at(day) if self.path else home for day in days]
         turn = 2.0 * math.pi / len(days) if self.turning else 0.0

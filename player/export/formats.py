@@ -1,4 +1,4 @@
-"""What can be exported, by the suffix of the output's name: one table that all messages read."""
+"""The table of export formats, which are selected by the suffix of the output's name."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
@@ -17,31 +17,31 @@ from player.view.annotations import Annotations
 from player.view.colors import Colors
 from player.view.style import Style
 
-MAX_FRAMES = 200_000  # more are most likely a typing error
+MAX_FRAMES = 200_000  # larger numbers are most likely typing errors
 
 
 @dataclass(frozen=True)
 class Format:
     """A kind of file that a clip can be exported to."""
 
-    #: the name of an output, whose suffix selects the format; with a place for a number, such as
-    #: %04d, the format is a sequence of files
-    example: str
-    about: str  #: what the file is, and for which programs
+    example: str  #: name of an output; with a number field, the format is a sequence of files
+    about: str  #: short description for users
     write: Callable[[Clip, Film, Path, Progress], None]
-    #: a picture is drawn, with everything that is written into it; points have one colour each; a
-    #: page has colours and a camera; a table has numbers only
+    #: what styles and annotations apply to: pictures take all of them, points one colour each,
+    #: pages colours and a camera, and tables of numbers none
     content: Literal["picture", "points", "page", "numbers"]
-    days: int = 0  #: how many --day the format takes: 0, 1, or 2 for any number
-    also: tuple[str, ...] = ()  #: other suffixes
+    max_days: int = 0  #: number of days that can be selected: 0, 1, or 2 for any number
+    other_suffixes: tuple[str, ...] = ()
 
     @property
-    def sequence(self) -> bool:
+    def is_sequence(self) -> bool:
+        """Whether the format is a numbered sequence of files."""
         return is_numbered(Path(self.example))
 
     @property
     def suffixes(self) -> tuple[str, ...]:
-        return (Path(self.example).suffix, *self.also)
+        """All suffixes that select the format."""
+        return (Path(self.example).suffix, *self.other_suffixes)
 
 
 def export(
@@ -51,22 +51,36 @@ def export(
     progress: Progress = lambda done, total: None,
     force: bool = True,
 ) -> None:
-    """Write a clip's film, picture, page, geometry or table to `path`: whole or not at all.
+    """Write a film, picture, page, geometry file or table atomically.
 
-    Raises PlayerError for an unknown suffix, a missing folder, a size or speed that the format
-    can't hold, no OpenGL, or an encoder that fails; unless it is forced, for what is there already.
+    Parameters
+    ----------
+    clip : gclip.Clip
+    film : Film
+    path : Path
+        Its suffix selects the format.
+    progress : callable
+        Called with the number of steps done and of all steps.
+    force : bool
+        Whether to overwrite an existing file.
+
+    Raises
+    ------
+    PlayerError
+        For an unknown suffix, a missing folder, an existing file, a size or frame rate that the
+        format cannot hold, missing OpenGL, or an encoder that fails.
     """
     chosen = format_of(path, film, force)
     count = film.frame_count(clip)
     if count > MAX_FRAMES:
         raise PlayerError(f"{count} frames would be written; at most {MAX_FRAMES} are.")
     colored = Colors(clip).clip_with_colors(film.style, as_file=chosen.content == "points")
-    with atomic_file(path, force, chosen.sequence) as part:
+    with atomic_file(path, force, chosen.is_sequence) as part:
         chosen.write(colored, film, part, progress)
 
 
 def film(clip: Clip, path: str | PathLike[str], **choices: Any) -> None:
-    """Write a clip's film, picture, page, geometry or table, as the suffix of `path` says.
+    """Write a film, picture, page, geometry file or table, in the format of the path's suffix.
 
     Parameters
     ----------
@@ -82,31 +96,30 @@ def film(clip: Clip, path: str | PathLike[str], **choices: Any) -> None:
     PlayerError
         As `export` does.
     TypeError
-        For a choice that there is not.
+        For an unknown choice.
     """
-    look = {one.name for one in fields(Style)}
-    style = Style(**{name: choices.pop(name) for name in look & choices.keys()})
+    style_fields = {field.name for field in fields(Style)}
+    style = Style(**{name: choices.pop(name) for name in style_fields & choices.keys()})
     export(clip, replace(Film(style=style), **choices), Path(path))
 
 
 def format_of(path: Path, film: Film, force: bool = True) -> Format:
-    """The format of an output, by its suffix.
+    """The format of an output path.
 
-    Raises PlayerError if the format can't hold what is asked for, or a file exists and `force` is
-    not given.
+    Raises PlayerError if the format cannot hold the film, or if a file exists and `force` is false.
     """
     suffix = path.suffix.lower()
-    known = [one for one in FORMATS if suffix in one.suffixes]
-    if not known:
-        names = ", ".join(dict.fromkeys(name for one in FORMATS for name in one.suffixes))
+    candidates = [known for known in FORMATS if suffix in known.suffixes]
+    if not candidates:
+        names = ", ".join(dict.fromkeys(name for known in FORMATS for name in known.suffixes))
         found = f'has the unknown suffix "{suffix}"' if suffix else "has no suffix"
         raise PlayerError(f"{path} {found}; the suffix says what is written: {names}.")
-    numbered = any(one.sequence for one in known) and is_numbered(path)
-    chosen = next(one for one in known if one.sequence == numbered)
+    numbered = any(known.is_sequence for known in candidates) and is_numbered(path)
+    chosen = next(known for known in candidates if known.is_sequence == numbered)
     (check_sequence if numbered else check_output)(path, force)
-    if len(film.at) > 1 and chosen.days == 1:
+    if len(film.at) > 1 and chosen.max_days == 1:
         raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
-    if film.at and not chosen.days:
+    if film.at and not chosen.max_days:
         raise PlayerError(f"--day is for pictures, clouds and tables; {path.name} shows all days.")
     if film.transparent and suffix != ".png":
         raise PlayerError(f"--transparent is for PNG pictures; {path.name} holds no transparency.")
@@ -116,7 +129,7 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
 
 
 def check_look(film: Film, path: Path, force: bool) -> None:
-    """Raise PlayerError as `format_of` does, and for a style that the format can't hold."""
+    """Raise PlayerError as `format_of` does, and for a style that the format ignores."""
     content = format_of(path, film, force).content
     if film.annotations != Annotations() and content != "picture":
         raise PlayerError(
@@ -127,7 +140,9 @@ def check_look(film: Film, path: Path, force: bool) -> None:
 
 
 FORMATS: tuple[Format, ...] = (
-    Format("film.mp4", "film that plays everywhere", video.write, "picture", also=(".mov",)),
+    Format(
+        "film.mp4", "film that plays everywhere", video.write, "picture", other_suffixes=(".mov",)
+    ),
     Format("film.gif", "film for pages and slides", video.write_gif, "picture"),
     Format("film.webm", "film for web pages (VP9)", video.write, "picture"),
     Format("still.png", "one picture", image.write, "picture", 1, image.JPEG_SUFFIXES),
@@ -141,7 +156,7 @@ FORMATS: tuple[Format, ...] = (
         "points with time samples, for Houdini, Omniverse, Unreal",
         usd.write,
         "points",
-        also=(".usda", ".usdc", ".usdz"),
+        other_suffixes=(".usda", ".usdc", ".usdz"),
     ),
     Format("traits.csv", "lengths, areas, growth of each organ", table.write, "numbers", 2),
 )

@@ -1,4 +1,4 @@
-"""Point clouds at any moment, as binary PLY files (Turk 1994), one file a moment."""
+"""Export of point clouds as binary PLY files (Turk 1994), one file per day."""
 
 from pathlib import Path
 
@@ -9,15 +9,16 @@ from gclip import Clip
 from gclip.evaluate import evaluate_layer, layers_at, locate
 from gclip.text import printable
 from player.export.film import Film, Progress
-from player.output_names import is_numbered, numbered
-from player.view.dates import date_at
+from player.output_names import is_numbered, numbered_path
+from traits.dates import date_at
 
-TYPES = {"<f4": "float", "<f8": "double", "|u1": "uchar"}
+PLY_TYPES = {"<f4": "float", "<f8": "double", "|u1": "uchar"}
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """One moment, the film's --day or the last scan; or the film's moments, numbered from 0: then
-    evenly from the first scan to the last, without its rests at both ends.
+    """Write the cloud of the film's day, by default of the last scan; or a sequence from 0 on.
+
+    A sequence of all days is spaced evenly: the pauses of films at both ends are left out.
     """
     if not is_numbered(path):
         days = list(film.at) or clip.times[-1:]
@@ -31,35 +32,35 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
         vertices = cloud_at(clip, day)
         if not is_numbered(path):
             vertices = vertices[vertices["alpha"] > 0]
-        _save(clip, day, vertices, numbered(path, number))
+        _save(clip, day, vertices, numbered_path(path, number))
         progress(number + 1, len(days))
 
 
 def cloud_at(clip: Clip, day: float) -> NDArray[np.void]:
-    """All movers of the day's interval, as the vertices of a PLY file.
+    """All movers of the day's interval as vertices of a PLY file.
 
-    Number and order stay the same within an interval, so that one point is one point from file to
-    file. Those not alpha 0 are what `Clip.at` gives. Movers of lost organs that are gone already
-    have alpha 0 and wait inside the plant, on another mover, where nobody sees them.
-    Positions are float, or double where float is coarser than a hundredth of the point spacing.
+    Number and order of the movers do not change within an interval, so that points correspond from
+    file to file. Movers that have disappeared have alpha 0 and the position of a visible mover; the
+    others are those of `Clip.at`. Positions are float, or double if the resolution of float is
+    coarser than a hundredth of the point spacing.
     """
     index, _ = locate(clip, day)
     interval = clip.intervals[index]
     local = np.zeros((len(interval), 3), np.float64)
-    paint = np.zeros((len(interval), 4), np.uint8)
+    colors = np.zeros((len(interval), 4), np.uint8)
     present = np.zeros(len(interval), bool)
     for layer in layers_at(clip, day):
         if layer.interval == index and not layer.litter:
             movers = slice(layer.group.first, layer.group.stop)
-            local[movers], paint[movers], _ = evaluate_layer(clip, layer)
+            local[movers], colors[movers], _ = evaluate_layer(clip, layer)
             present[movers] = True
     if present.any():
         local[~present] = local[np.argmax(present)]
 
     world = local + np.asarray(clip.origin)
-    coarse = np.spacing(np.float32(np.abs(world).max(initial=0.0))) > 0.01 * clip.spacing
-    columns = dict(zip("xyz", world.T.astype("<f8" if coarse else "<f4"), strict=True))
-    columns |= dict(zip(("red", "green", "blue", "alpha"), paint.T, strict=True))
+    is_coarse = np.spacing(np.float32(np.abs(world).max(initial=0.0))) > 0.01 * clip.spacing
+    columns = dict(zip("xyz", world.T.astype("<f8" if is_coarse else "<f4"), strict=True))
+    columns |= dict(zip(("red", "green", "blue", "alpha"), colors.T, strict=True))
     columns["scalar_label"] = interval.tracks.astype("<f4")
     types = [(name, column.dtype) for name, column in columns.items()]
     return np.rec.fromarrays(list(columns.values()), types)
@@ -75,9 +76,9 @@ def _save(clip: Clip, day: float, vertices: NDArray[np.void], path: Path) -> Non
         f"comment date {date_at(clip.scans, day)}",
         f"comment unit {clip.unit}",
         f"element vertex {len(vertices)}",
-        *(f"property {TYPES[vertices.dtype[name].str]} {name}" for name in names),
+        *(f"property {PLY_TYPES[vertices.dtype[name].str]} {name}" for name in names),
         "end_header",
     ]
-    # What a clip says must not become a line of its own.
+    # Line breaks in names must not add lines to the header.
     text = "".join(f"{printable(line)}\n" for line in header)
     path.write_bytes(text.encode("ascii", "replace") + vertices.tobytes())

@@ -1,4 +1,4 @@
-"""Films as MP4 or QuickTime (H.264), WebM (VP9) and GIF: pictures are piped to imageio's ffmpeg."""
+"""Export of films as MP4 or QuickTime (H.264), WebM (VP9) and GIF by imageio's ffmpeg."""
 
 import logging
 from collections.abc import Iterable, Sequence
@@ -13,38 +13,38 @@ from numpy.typing import NDArray
 from gclip import Clip
 from player.errors import PlayerError
 from player.export.film import Film, Progress
-from player.output_names import failure
+from player.output_names import write_error
 
-PALETTE_SAMPLES = 8  # frames, spread over the film, that a GIF's palette is made from
-MAX_GIF_FPS = 50  # browsers play shorter delays than 2/100 s slowly
+PALETTE_SAMPLES = 8  # frames of the film from which a GIF's palette is computed
+MAX_GIF_FPS = 50  # browsers slow down GIFs with delays below 2/100 s
 
-# RGB is converted with the matrix of ITU-R BT.709 and tagged with it, or players would guess.
+# Convert RGB by ITU-R BT.709, and tag the film with it; without tags, players would guess.
 BT709 = (
     "-vf",
     "scale=out_color_matrix=bt709:out_range=tv:flags=accurate_rnd+full_chroma_int,format=yuv420p,"
     "setparams=colorspace=bt709:color_primaries=bt709:color_trc=bt709:range=tv",
 )
-# So fine that the dither of a dark ground is kept, or it would show blocks and bands; aq-mode 3
-# spends bits on dark surfaces.
+# The quality preserves the dithering of dark backgrounds, which would otherwise show blocks and
+# bands; aq-mode 3 gives dark areas more bits.
 X264 = ("-preset", "medium", "-crf", "18", "-x264-params", "aq-mode=3", "-movflags", "+faststart")
 VP9 = ("-crf", "16", "-b:v", "0", "-deadline", "good", "-cpu-used", "4", "-tile-columns", "2")
-# One palette for a whole GIF, from pictures before its first frame. With one for each frame, all of
-# a picture would change from frame to frame: seven times the bytes.
+# One palette for a whole GIF, computed from samples that precede its first frame. With a palette
+# for each frame, all pixels would change between frames, and files would be seven times as large.
 PALETTE = (
     "split[sampled][all];[sampled]trim=end_frame={0},palettegen[palette];"
     "[all]trim=start_frame={0},setpts=PTS-STARTPTS[film];"
     "[film][palette]paletteuse=dither=bayer:bayer_scale=4:diff_mode=rectangle"
 )
-# The same pictures give the same bytes: no version or date is written, threads are a fixed number.
+# Equal pictures give equal bytes: no version or date is written, and threads are a fixed number.
 REPRODUCIBLE = (
     *("-threads", "4", "-fflags", "+bitexact", "-flags:v", "+bitexact", "-map_metadata", "-1"),
 )
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """H.264, which plays everywhere, as .mp4 or .mov; or VP9, free of patents, as .webm.
+    """Write H.264 for the suffixes .mp4 and .mov, or VP9 for .webm.
 
-    Raises PlayerError where H.264 can't hold the size.
+    Raises PlayerError for odd sizes, which H.264 does not support.
     """
     (width, height), webm = film.size, path.suffix.lower() == ".webm"
     if not webm and (width % 2 or height % 2):
@@ -58,7 +58,7 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
 
 
 def write_gif(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """A film that loops. Raises PlayerError where a GIF can't be so fast."""
+    """Write a GIF that loops. Raises PlayerError if its frame rate is too high."""
     if film.fps > MAX_GIF_FPS:
         raise PlayerError(f"a gif shows at most {MAX_GIF_FPS} frames a second, not {film.fps}.")
     days = film.days(clip)
@@ -77,15 +77,16 @@ def encode(
     codec: str,
     arguments: Sequence[str],
 ) -> None:
-    """Pipe pictures, (height, width, 4) uint8 of the film's size, through ffmpeg into a file.
+    """Encode pictures by ffmpeg, and check that the file contains all of them.
 
-    count:            how many frames the file must have in the end.
-    codec, arguments: as ffmpeg names them: the encoder, and its options.
-    Raises PlayerError if ffmpeg is missing or gives up.
+    pictures:         (height, width, 4) uint8 arrays of the film's size, `count` in all.
+    codec, arguments: name of the encoder, and options of ffmpeg.
+
+    Raises PlayerError if ffmpeg is missing or fails.
     """
     from imageio_ffmpeg import count_frames_and_secs, get_ffmpeg_exe, write_frames
 
-    # It would warn of a film that is stopped before its first picture.
+    # imageio-ffmpeg would warn if an export is stopped before its first picture.
     logging.getLogger("imageio_ffmpeg").setLevel(logging.ERROR)
     file = str(path.absolute())
     frames = write_frames(
@@ -112,8 +113,8 @@ def encode(
             except OSError:  # ffmpeg has ended, with fewer frames than were sent
                 break
     try:
-        written, _ = count_frames_and_secs(file)  # imageio-ffmpeg does not tell the exit code
+        written, _ = count_frames_and_secs(file)  # imageio-ffmpeg hides the exit code
     except RuntimeError:
         written = 0
     if written != count:
-        raise failure(path, get_ffmpeg_exe())
+        raise write_error(path, get_ffmpeg_exe())

@@ -1,1 +1,1 @@
-"""OpenGL: contexts, shaders, framebuffers, memory and errors."""
+"""OpenGL contexts, shaders, framebuffers, timers, memory and errors."""

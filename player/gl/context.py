@@ -1,4 +1,4 @@
-"""The one place that makes OpenGL contexts."""
+"""Creation of OpenGL contexts, with and without a window."""
 
 from itertools import product
 from typing import Any
@@ -10,15 +10,15 @@ from player.errors import PlayerError
 # Many drivers return exactly the version that is requested, so the newest is requested first.
 # OpenGL 4.3 adds compute shaders; 3.3 runs on every GPU since 2010 and on Mesa without a GPU.
 VERSIONS = (460, 450, 430, 330)
-MAX_DEVICES = 16  # EGL devices that are tried
+MAX_DEVICES = 16  # number of EGL devices that are tried
 
 
 def headless() -> moderngl.Context:
     """Create a context without a screen on the first EGL device that offers OpenGL 3.3.
 
-    EGL lists GPUs first and Mesa's software renderer last, which is used where there is no GPU. The
-    context has the newest of VERSIONS that the device offers, and no default framebuffer. Raises
-    PlayerError, which names the system packages to install, where EGL is missing.
+    EGL lists GPUs first and Mesa's software renderer last. The context has the newest of VERSIONS
+    that the device offers, and no default framebuffer. Raises PlayerError, which names the system
+    packages to install, if there is no such device.
     """
     reason = ""
     for device, version in product(range(MAX_DEVICES), VERSIONS):
@@ -33,9 +33,9 @@ def headless() -> moderngl.Context:
 
 
 def from_window() -> moderngl.Context:
-    """Wrap the context of the window that `glfw` made current on this thread.
+    """Wrap the context that GLFW made current on this thread.
 
-    Raises PlayerError where the window offers less than OpenGL 3.3.
+    Raises PlayerError if the window offers less than OpenGL 3.3.
     """
     try:
         return _created(require=VERSIONS[-1])
@@ -47,7 +47,7 @@ def from_window() -> moderngl.Context:
 
 
 def _created(**settings: Any) -> moderngl.Context:
-    """A context whose `gc` frees what Python has no reference to any more."""
+    """Create a context whose method `gc` frees objects without references in Python."""
     context = moderngl.create_context(**settings)
     context.gc_mode = "context_gc"
     return context

@@ -1,87 +1,89 @@
-"""Textures, and the framebuffers that one pass writes and the next one reads."""
+"""Framebuffers and their textures, which one render pass writes and later passes read."""
 
 from functools import cached_property, partial
 from typing import Any, cast
 
 import moderngl
 
-from player.gl.gl_errors import pictures_of
+from player.gl.gl_errors import allocating
 from player.gl.shader import Passes
 
-TILE = 16  # side in samples of the tiles by which empty parts of a picture are skipped
-COLOR, SCALAR, VECTOR = (4, "f2"), (1, "f4"), (2, "f2")  # channels and their type
-NOTHING = 1e4  # relative depth of samples without a point (shaders/depth.glsl)
+TILE = 16  # side of a tile in samples; passes over the picture skip tiles without points
+COLOR, SCALAR, VECTOR = (4, "f2"), (1, "f4"), (2, "f2")  # number and type of channels
+NO_DEPTH = 1e4  # relative depth of samples without a point (shaders/depth.glsl)
 
 
 class GBuffer:
-    """Colour, depth and normal of each sample, as the passes over the points write them.
+    """Framebuffers with colour, depth and normal of the nearest surface in each sample.
 
-    The depth buffer is 1 on the plant and 0 elsewhere; the passes that follow run only there.
+    Their common depth buffer is 1 on the plant and 0 elsewhere, so that the depth test restricts
+    later passes to the plant.
 
-    size:     width and height in samples.
+    size:     (width, height) in samples.
     surface:  colours (linear light and coverage), relative depths (shaders/depth.glsl), normals.
-    filtered: depths again, and other depths: filtering writes one from the other and back.
-    lit:      the light from the plant times coverage, and coverage.
+    filtered: two with depths, of which the first shares the texture of `surface`; each filter pass
+              reads one and writes the other.
+    lit:      light from the plant times coverage, and coverage.
     """
 
     def __init__(self, context: moderngl.Context, passes: Passes, size: tuple[int, int]) -> None:
         self.passes = passes
         self.size = size
         self._create = partial(framebuffer, context, size)
-        self.surface = self._create(colors=COLOR, depths=SCALAR, normals=VECTOR, deep=True)
+        self.surface = self._create(colors=COLOR, depths=SCALAR, normals=VECTOR, with_depth=True)
         plant, depths = self.surface.depth_attachment, textures_of(self.surface)["depths"]
         self._mask = context.framebuffer([], plant)
-        self.filtered = [self._create(depths=one, depth=plant) for one in (depths, SCALAR)]
+        self.filtered = [self._create(depths=kind, depth=plant) for kind in (depths, SCALAR)]
         self.lit = self._create(light=COLOR, depth=plant)
-        for tests_only in (*self.filtered, self.lit):
-            tests_only.depth_mask = False
+        for read_only_depth in (*self.filtered, self.lit):
+            read_only_depth.depth_mask = False
         across, down = (-(-side // TILE) for side in size)
         self._tiles = framebuffer(context, (across, down), tiles=(1, "f1"))
 
     @cached_property
     def points(self) -> moderngl.Framebuffer:
-        """Number (nearest_point.glsl) and colour of the nearest point in every sample."""
-        return self._create(nearest=(1, "u4"), picked=(1, "u4"), deep=True)
+        """Code (nearest_point.glsl) and packed colour of the nearest point in each sample."""
+        return self._create(nearest=(1, "u4"), picked=(1, "u4"), with_depth=True)
 
     @cached_property
     def front(self) -> moderngl.Framebuffer:
-        """Depth of the splats' nearest surface in every sample."""
-        return self._create(front=SCALAR, deep=True)
+        """Relative depth of the nearest surface of splats in each sample."""
+        return self._create(front=SCALAR, with_depth=True)
 
     @cached_property
     def sums(self) -> moderngl.Framebuffer:
-        """Weighted sums over the splats of that surface; tests depths, and writes none."""
+        """Weighted sums over the splats of the surface in `front`, whose depth buffer it tests."""
         depth = self.front.depth_attachment
         sums = self._create(color_sums=COLOR, moment_sums=COLOR, normal_sums=VECTOR, depth=depth)
         sums.depth_mask = False
         return sums
 
     def mark_tiles(self, name: str, **uniforms: Any) -> None:
-        """Run a fragment shader that writes in which tiles `fill` finds points or splats."""
+        """Run a fragment shader that marks tiles with points for `run_surface_pass`."""
         draw_into(self._tiles)
-        self.passes.fill(name, **uniforms)
+        self.passes.run(name, **uniforms)
 
-    def fill(self, name: str, **uniforms: Any) -> None:
-        """Run a fragment shader that writes the surface and where the plant is."""
+    def run_surface_pass(self, name: str, **uniforms: Any) -> None:
+        """Run a fragment shader that writes `surface` and its depth buffer in marked tiles."""
         self.surface.viewport = (0, 0, *self.size)
         draw_into(self.surface, depth="1")
-        self.passes.fill(name, **textures_of(self._tiles), **uniforms)
+        self.passes.run(name, **textures_of(self._tiles), **uniforms)
 
     def clear(self) -> None:
-        """Begin a picture without a plant; colours and normals count only where a plant is."""
+        """Clear light, depths and depth buffer; other textures are read on the plant only."""
         self.lit.clear()
         self._mask.clear(depth=0.0)
         for depths in self.filtered:
-            depths.clear(NOTHING)
+            depths.clear(NO_DEPTH)
 
 
 def draw_into(
     target: moderngl.Framebuffer, *, depth: str = "", blend: tuple[int, int] | None = None
 ) -> None:
-    """Draw into a framebuffer from now on.
+    """Bind a framebuffer, and set depth test and blending for the draw calls that follow.
 
-    depth: how a depth has to compare with the one that is there, "1" for anyhow; untested if "".
-    blend: factors of what is drawn and of what is there; by default it is replaced.
+    depth: depth function, such as "<", or "1" for always; "" disables the depth test.
+    blend: source and destination factor; by default fragments replace what was drawn before.
     """
     context = target.ctx
     tests = moderngl.DEPTH_TEST if depth else moderngl.NOTHING
@@ -96,31 +98,35 @@ def framebuffer(
     context: moderngl.Context,
     size: tuple[int, int],
     *,
-    deep: bool = False,
+    with_depth: bool = False,
     depth: Any = None,
     linear: bool = False,
     **textures: tuple[int, str] | moderngl.Texture,
 ) -> moderngl.Framebuffer:
-    """Create a framebuffer.
+    """Create a framebuffer; raises OutOfGpuMemory if it does not fit.
 
-    deep:     with a depth buffer; depth: another framebuffer's.
-    textures: channels and type of each, as `texture` takes them, or one that is there already, by
-              the names that shaders read them by.
-    Raises OutOfGpuMemory where there is no room for it.
+    size:       (width, height) in pixels.
+    with_depth: whether to create a depth buffer.
+    depth:      depth buffer of another framebuffer to attach instead.
+    linear:     whether new textures interpolate between texels.
+    textures:   colour attachments by the names of their uniforms in shaders: an existing texture,
+                or number and type of the channels of a new one (see `texture`).
     """
-    with pictures_of(size):
-        found = {
-            name: one if isinstance(one, moderngl.Texture) else texture(context, size, *one, linear)
-            for name, one in textures.items()
+    with allocating(size):
+        attachments = {
+            name: kind
+            if isinstance(kind, moderngl.Texture)
+            else texture(context, size, *kind, linear)
+            for name, kind in textures.items()
         }
-        depth = context.depth_renderbuffer(size) if deep else depth
-        made = context.framebuffer(list(found.values()), depth)
-    made.extra = found
-    return made
+        depth = context.depth_renderbuffer(size) if with_depth else depth
+        created = context.framebuffer(list(attachments.values()), depth)
+    created.extra = attachments
+    return created
 
 
 def textures_of(framebuffer: moderngl.Framebuffer) -> dict[str, Any]:
-    """The textures that a framebuffer writes, by the names that shaders read them by."""
+    """The colour attachments of a framebuffer by the names of their uniforms in shaders."""
     return cast(dict[str, Any], framebuffer.extra)
 
 
@@ -133,10 +139,10 @@ def texture(
 ) -> moderngl.Texture:
     """Create a texture that is clamped at its edges.
 
-    dtype: "f1" for bytes, "f2" and "f4" for floats, "u4" for unsigned integers.
+    dtype:  "f1" for normalised bytes, "f2" and "f4" for floats, "u4" for unsigned integers.
     linear: whether to interpolate between texels.
     """
-    made = context.texture(size, components, dtype=dtype)
-    made.filter = (moderngl.LINEAR,) * 2 if linear else (moderngl.NEAREST,) * 2
-    made.repeat_x = made.repeat_y = False
-    return made
+    created = context.texture(size, components, dtype=dtype)
+    created.filter = (moderngl.LINEAR,) * 2 if linear else (moderngl.NEAREST,) * 2
+    created.repeat_x = created.repeat_y = False
+    return created

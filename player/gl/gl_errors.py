@@ -1,4 +1,4 @@
-"""Errors of the graphics driver, each reported in one sentence.
+"""Errors of the graphics driver as exceptions whose messages users can act on.
 
 OpenGL continues after an error without drawing, so errors have to be queried.
 """
@@ -10,23 +10,23 @@ from contextlib import contextmanager
 import moderngl
 
 from player.errors import PlayerError
-from player.gl.gpu_memory import total
+from player.gl.gpu_memory import total_gpu_memory
 
-SAMPLE = 78  # bytes of GPU memory for one sample of a picture
+BYTES_PER_SAMPLE = 78  # GPU memory that one sample of a picture takes in all framebuffers
 
 
 class OutOfGpuMemory(PlayerError):
-    """The GPU's memory is full; fewer points at a time or a smaller picture may still fit."""
+    """Raised if the GPU's memory is full; fewer points or a smaller picture may fit."""
 
 
 class ContextLost(PlayerError):
-    """The driver was reset: everything on the GPU is lost, and a new context is needed."""
+    """Raised if the driver was reset: all objects on the GPU are lost with their context."""
 
 
 def check_context(context: moderngl.Context) -> None:
-    """Raise PlayerError for an error on the GPU since the last call.
+    """Raise OutOfGpuMemory or ContextLost for an OpenGL error since the last call.
 
-    Invalid calls are bugs of the player and raise RuntimeError.
+    Invalid calls are bugs of the player, and raise RuntimeError.
     """
     error = context.error
     if error == "GL_NO_ERROR":
@@ -41,8 +41,8 @@ def check_context(context: moderngl.Context) -> None:
 
 
 @contextmanager
-def pictures_of(size: tuple[int, int]) -> Iterator[None]:
-    """Raise OutOfGpuMemory where the driver refuses textures or framebuffers of a size."""
+def allocating(size: tuple[int, int]) -> Iterator[None]:
+    """Raise OutOfGpuMemory if the driver refuses textures or framebuffers of a size."""
     try:
         yield
     except moderngl.Error:
@@ -52,10 +52,11 @@ def pictures_of(size: tuple[int, int]) -> Iterator[None]:
         ) from None
 
 
-def samples_within(context: moderngl.Context, size: tuple[int, int], wished: int) -> int:
-    """The number of samples per pixel and direction that this GPU can hold, at most `wished`.
+def max_supersample(context: moderngl.Context, size: tuple[int, int], requested: int) -> int:
+    """The samples along each side of a pixel that the GPU can hold, from 1 to `requested`.
 
-    Raises PlayerError for a picture that is too large even with one sample a pixel.
+    size: (width, height) of the picture in pixels.
+    Raises PlayerError if the picture is too large even with one sample per pixel.
     """
     names = ("GL_MAX_TEXTURE_SIZE", "GL_MAX_RENDERBUFFER_SIZE")
     longest = min(*(context.info[name] for name in names), *context.info["GL_MAX_VIEWPORT_DIMS"])
@@ -64,11 +65,11 @@ def samples_within(context: moderngl.Context, size: tuple[int, int], wished: int
             f"a picture of {size[0]}x{size[1]} is asked for; this graphics driver draws at most "
             f"{longest} pixels a side."
         )
-    there, needed = total(context), SAMPLE * size[0] * size[1]
-    if needed > there:
+    available, needed = total_gpu_memory(context), BYTES_PER_SAMPLE * size[0] * size[1]
+    if needed > available:
         raise PlayerError(
             f"a picture of {size[0]}x{size[1]} takes {needed / 1e9:.1f} GB of the GPU's memory; "
-            f"there are {there / 1e9:.1f} GB."
+            f"there are {available / 1e9:.1f} GB."
         )
-    most = min(longest // max(size), math.isqrt(int(there / needed)))
-    return max(min(wished, most), 1)
+    limit = min(longest // max(size), math.isqrt(int(available / needed)))
+    return max(min(requested, limit), 1)

@@ -1,4 +1,4 @@
-"""Compile shaders, set their uniforms, and run passes over the whole picture."""
+"""Compilation of shaders, setting of uniforms, and full-screen passes."""
 
 import itertools
 from contextlib import nullcontext
@@ -12,10 +12,12 @@ from player.gl.timers import PassTimers
 from shaders import source
 
 
-def program(context: moderngl.Context, *files: str, **definitions: int | float) -> Any:
+def compile_program(context: moderngl.Context, *files: str, **definitions: int | float) -> Any:
     """Compile a vertex and a fragment shader, or a compute shader, which needs OpenGL 4.3.
 
-    Raises PlayerError where the driver can't.
+    files:       one or two files of the package `shaders`.
+    definitions: preprocessor macros.
+    Raises PlayerError if the driver cannot compile the shaders.
     """
     sources = [source(file, **definitions) for file in files]
     try:
@@ -32,11 +34,11 @@ def program(context: moderngl.Context, *files: str, **definitions: int | float) 
         ) from None
 
 
-def give(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> None:
+def set_uniforms(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> None:
     """Set uniforms, except those that the compiler removed as unused.
 
-    Textures are given together: each is bound to a texture unit of its own.
-    Matrices are numpy arrays that multiply columns (M @ column); OpenGL stores them by column.
+    Textures are bound to units counted from 0, so that one call must set all textures of a program.
+    Arrays are matrices for column vectors; they are transposed to OpenGL's column-major order.
     """
     units = itertools.count()
     for name, value in values.items():
@@ -54,10 +56,10 @@ def give(program: moderngl.Program | moderngl.ComputeShader, **values: Any) -> N
 
 
 class Passes:
-    """Runs fragment shaders over the current framebuffer, each compiled on first use.
+    """Runs fragment shaders over the current framebuffer, and compiles each on first use.
 
-    timers:      measure the passes, if given.
-    definitions: preprocessor definitions for all of the shaders.
+    timers:      measures the passes, optional.
+    definitions: preprocessor macros of all shaders.
     """
 
     def __init__(
@@ -68,26 +70,21 @@ class Passes:
         self._definitions = definitions
         self._arrays: dict[tuple[str, int], moderngl.VertexArray] = {}
 
-    def fill(
-        self,
-        name: str,
-        *,
-        reach: int = 0,
-        tiles: moderngl.Texture | None = None,
-        **uniforms: Any,
+    def run(
+        self, name: str, radius_px: int = 0, tiles: moderngl.Texture | None = None, **uniforms: Any
     ) -> None:
-        """Run `<name>.frag` for every pixel.
+        """Run ``<name>.frag`` for every pixel of the current framebuffer.
 
-        reach: how many pixels around its own the shader reads; a compile-time constant.
-        tiles: a texel for each tile of the picture; those with a 0 are left out (tile.vert).
+        radius_px: distance in pixels up to which the shader reads neighbours (macro RADIUS_PX).
+        tiles:     one texel for each tile of the picture; tiles with a 0 are skipped (tile.vert).
         """
-        if (name, reach) not in self._arrays:
+        if (name, radius_px) not in self._arrays:
             vertex = "tile" if tiles else "fullscreen"
-            files, definitions = (f"{vertex}.vert", f"{name}.frag"), self._definitions
-            compiled = program(self._context, *files, REACH=reach, **definitions)
-            self._arrays[name, reach] = self._context.vertex_array(compiled, [])
-        array = self._arrays[name, reach]
-        give(array.program, **uniforms, occupied=tiles)
+            files, macros = (f"{vertex}.vert", f"{name}.frag"), self._definitions
+            program = compile_program(self._context, *files, RADIUS_PX=radius_px, **macros)
+            self._arrays[name, radius_px] = self._context.vertex_array(program, [])
+        array = self._arrays[name, radius_px]
+        set_uniforms(array.program, **uniforms, occupied=tiles)
         vertices = 6 * tiles.width * tiles.height if tiles else 3
         with nullcontext() if self._timers is None else self._timers.timed(name):
             array.render(moderngl.TRIANGLES, vertices=vertices)

@@ -1,4 +1,4 @@
-"""GPU time of each pass, by timer queries."""
+"""GPU time of render passes, measured by OpenGL's timer queries."""
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ class PassTimers:
     """Measures the passes of one renderer, frame by frame.
 
     frames: number of measured frames.
-    totals: seconds of each pass, summed over these frames, in the order of the first one.
+    totals: seconds of each pass by its name, summed over the frames.
     """
 
     def __init__(self, context: moderngl.Context) -> None:
@@ -23,15 +23,16 @@ class PassTimers:
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
-        """Measure one pass; passes must not be nested."""
+        """Measure one pass; OpenGL does not allow nested timer queries."""
         query = self._idle.pop() if self._idle else self._context.query(time=True)
         with query:
             yield
         self._running.append((name, query))
 
     def finish_frame(self) -> float:
-        """Seconds of the passes since the last call. Waits for passes that are still running, so it
-        is best called one frame later.
+        """Return the GPU seconds of all passes since the last call.
+
+        The call waits for passes that still run; it should therefore be made a frame later.
         """
         seconds = 0.0
         for name, query in self._running:
@@ -45,11 +46,11 @@ class PassTimers:
 
 
 def profile_table(timers: list[PassTimers]) -> str:
-    """A table of the mean milliseconds per frame of each pass."""
-    frames, totals = sum(one.frames for one in timers), Counter[str]()
-    for one in timers:
-        totals.update(one.totals)
+    """Format the mean milliseconds of each pass per frame as a table, summed over renderers."""
+    frames, totals = sum(timer.frames for timer in timers), Counter[str]()
+    for timer in timers:
+        totals.update(timer.totals)
     rows = [(name, 1e3 * seconds / max(frames, 1)) for name, seconds in totals.items()]
-    rows.append((f"all of a frame ({frames} timed)", sum(each for _, each in rows)))
+    rows.append((f"all of a frame ({frames} timed)", sum(milliseconds for _, milliseconds in rows)))
     width = max(len(name) for name, _ in rows)
-    return "\n".join(f"{name:{width}}{each:9.3f} ms" for name, each in rows)
+    return "\n".join(f"{name:{width}}{milliseconds:9.3f} ms" for name, milliseconds in rows)

@@ -1,1 +1,1 @@
-"""Renders a clip's points with OpenGL, on a screen or without one."""
+"""Rendering of a clip's points with OpenGL, on a screen or without one."""

@@ -1,6 +1,6 @@
-"""Draws pictures of a clip without a screen."""
+"""Pictures of a clip, drawn without a screen."""
 
-from typing import Self
+from contextlib import AbstractContextManager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from gclip import Clip
 from player.gl.context import headless
 from player.gl.framebuffer import framebuffer
-from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, samples_within
+from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, max_supersample
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
@@ -21,17 +21,17 @@ def render(
     camera: Camera | None = None,
     style: Style | None = None,
 ) -> NDArray[np.uint8]:
-    """Draw the plant on a day.
+    """Draw a picture of the plant at one time.
 
     Parameters
     ----------
     clip : gclip.Clip
     day : float
-        In the clip's own time.
+        In the clip's unit of time.
     size : tuple of int
         Width and height in pixels.
     camera : Camera, optional
-        Shows the whole series by default.
+        By default one that shows the plant at all times of the series.
     style : Style, optional
 
     Returns
@@ -42,27 +42,31 @@ def render(
     Raises
     ------
     ValueError
-        For a day outside the series.
+        If the day is outside the series.
     PlayerError
-        Where OpenGL is not available.
+        If OpenGL is not available.
     """
     clip.check_day(day)
     with Offscreen(clip, size) as offscreen:
         return offscreen.picture(day, camera, style)
 
 
-class Offscreen:
-    """A renderer with its own context and framebuffer, for any number of pictures."""
+class Offscreen(AbstractContextManager["Offscreen"]):
+    """A renderer with its own context and framebuffer, for any number of pictures.
+
+    size:        width and height of the pictures in pixels.
+    supersample: samples along each side of a pixel; fewer if the GPU's memory is too small.
+    """
 
     def __init__(self, clip: Clip, size: tuple[int, int], supersample: int = 2) -> None:
         self.clip = clip
         self.size = size
         self._home = Camera.home(clip, size[0] / size[1])
-        self._begin(supersample)
+        self._create(supersample)
 
-    def _begin(self, supersample: int) -> None:
+    def _create(self, supersample: int) -> None:
         self.context = headless()
-        supersample = samples_within(self.context, self.size, supersample)
+        supersample = max_supersample(self.context, self.size, supersample)
         self._framebuffer = framebuffer(self.context, self.size, picture=(4, "f1"))
         self._renderer = Renderer(self.context, self.clip, supersample)
 
@@ -73,42 +77,38 @@ class Offscreen:
         style: Style | None = None,
         transparent: bool = False,
     ) -> NDArray[np.uint8]:
-        """Draw a day: (height, width, 4) uint8 sRGB, top row first.
+        """Draw one picture as `render` does: (height, width, 4) uint8 sRGB, top row first.
 
-        camera:      shows the whole series by default.
-        transparent: draw the plant without a background, with unassociated alpha.
-        A driver reset is answered by one new attempt, full GPU memory by one sample a pixel. Raises
-        PlayerError if that fails too.
+        With `transparent` there is no background, and alpha is unassociated. After a driver reset
+        drawing is tried once more, and with one sample per pixel if the GPU's memory is full.
+        Raises PlayerError if this second attempt fails.
         """
-        view = day, camera or self._home, style or Style(), transparent
+        arguments = day, camera or self._home, style or Style(), transparent
         try:
-            return self._picture(*view)
+            return self._picture(*arguments)
         except OutOfGpuMemory:
             if self._renderer.supersample == 1:
                 raise
-            samples = 1
+            supersample = 1
         except ContextLost:
-            samples = self._renderer.supersample
+            supersample = self._renderer.supersample
         self.release()
-        self._begin(samples)
-        return self._picture(*view)
+        self._create(supersample)
+        return self._picture(*arguments)
 
     def _picture(
         self, day: float, camera: Camera, style: Style, transparent: bool
     ) -> NDArray[np.uint8]:
-        view = day, camera, style, self.size
-        self._renderer.draw(self._framebuffer, *view, transparent=transparent)
+        target = self._framebuffer
+        self._renderer.draw(target, day, camera, style, self.size, transparent=transparent)
         pixels = np.frombuffer(self._framebuffer.read(components=4), np.uint8)
         check_context(self.context)
         return pixels.reshape(*self.size[::-1], 4)[::-1]
 
     def release(self) -> None:
-        """Release the context; later calls do nothing."""
+        """Release the context and everything in it."""
         self._renderer.release()
         self.context.release()
-
-    def __enter__(self) -> Self:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.release()

@@ -1,8 +1,8 @@
-"""Draws a clip on a day into a framebuffer.
+"""Rendering of a clip at one time into a framebuffer.
 
-A picture is made in steps: colour and depth of the nearest surface, from points of one sample
-(points.py) or from splats (splats.py); filtered depths; the plant's shadow on the floor; lighting
-(shading.py); and the composition over the background.
+A picture is drawn in steps: the plant's shadow on the floor (ground.py); colour and depth of the
+nearest surface, from points of one sample (points.py) or from splats (splats.py); filtering of the
+depths and lighting (shading.py); and composition over the background (picture.frag).
 """
 
 import math
@@ -17,31 +17,31 @@ from gclip.schema import BLOCK
 from player.gl.framebuffer import TILE, GBuffer, draw_into, framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.ground import Ground
-from player.rendering.point_buffers import DrawRange, whole
+from player.rendering.point_buffers import DrawRange, full_ranges
 from player.rendering.point_cloud import PointCloud
-from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend, clear_numbers
+from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend, clear_integers
 from player.rendering.shading import shade, smooth_depths
 from player.rendering.splat_radius import ClosingDistances
 from player.rendering.splats import SplatParams, draw_behind, draw_splats
-from player.view.camera import Camera, outline
+from player.view.camera import Camera, sampled_positions
 from player.view.style import Style
 
-# Radius of a splat in closing distances, above 1 because neighbours drift apart between scans, and
-# its edge (SplatParams): of discs that face the camera, and of discs along the surface, by its
-# normals. It takes more overlap to find the surface's edge than to close its holes.
-FACING, ALIGNED = (2.3, 2.0), (2.6, 0.38)
+# Radius in closing distances and edge (SplatParams) of discs that face the camera, and of discs
+# along the surface. Radii exceed 1 because neighbours drift apart between scans; finding the edge
+# of the surface takes more overlap than closing its holes.
+FACING_SPLATS, ALIGNED_SPLATS = (2.3, 2.0), (2.6, 0.38)
 MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
-PICK_REACH = 10  # largest distance in pixels at which an organ still counts as hit
-NO_TRACK = 0xFFFFFFFF  # of pixels without a point (clear_points.frag)
+PICK_RADIUS = 10  # largest distance in pixels between a click and the organ that it picks
+NO_TRACK = 0xFFFFFFFF  # value of pixels without a point (clear_points.frag)
 
 
 class Renderer:
     """Draws one clip in one context.
 
-    supersample: samples along each side of a pixel; 1 in a window, 2 for export.
-    backend:     draws small splats; compute shaders by default, where there are any.
-    memory:      bytes of GPU memory for points; by default the driver is asked.
-    gpu_seconds: GPU time of the picture before the last one, which has been completed by then.
+    supersample: samples along each side of a pixel.
+    backend:     draws small splats; by default compute shaders, if the context supports them.
+    memory:      bytes of GPU memory for points; by default a share of what the driver reports.
+    gpu_seconds: GPU time of the last picture but one, which is complete once the last one is drawn.
     """
 
     def __init__(
@@ -79,21 +79,35 @@ class Renderer:
         upload_budget: float | None = None,
         transparent: bool = False,
     ) -> bool:
-        """Draw the plant on a day over all of a framebuffer.
+        """Draw the plant on a day, and leave the framebuffer bound.
 
-        Returns whether every point was drawn. The framebuffer stays bound, without a depth test.
+        Parameters
+        ----------
+        target : moderngl.Framebuffer
+        day : float
+            In the clip's unit of time.
+        camera : Camera
+        style : Style
+        size : tuple of int
+            (width, height) of the framebuffer in pixels.
+        stride : int
+            Draw every n-th point only, with larger splats.
+        upload_budget : float, optional
+            Seconds for uploading points, unlimited by default. Points that are not on the GPU by
+            then are not drawn.
+        transparent : bool
+            Draw no background; alpha is unassociated.
 
-        size:          width and height of the framebuffer in pixels.
-        stride:        draw every n-th point only, and larger.
-        upload_budget: seconds for uploading points, as long as needed by default. Points that are
-                       not on the GPU by then are left out.
-        transparent:   draw the plant without a background, with unassociated alpha.
+        Returns
+        -------
+        bool
+            Whether all points were drawn.
         """
         self.context.gc()
         self.gpu_seconds = self.timers.finish_frame()
         samples = (size[0] * self.supersample, size[1] * self.supersample)
         gbuffer, points = self._gbuffer_of(samples), self._points
-        ranges, splats = self._prepared(day, camera, style, samples, stride, upload_budget)
+        ranges, splats = self._prepare(day, camera, style, samples, stride, upload_budget)
         if style.show_ground and not transparent:
             self._ground.cast_shadow(ranges, self._closing.point_area(day))
         gbuffer.clear()
@@ -111,7 +125,7 @@ class Renderer:
         draw_into(target)
         uniforms = splats.uniforms() | self._ground.uniforms(camera, style)
         light = textures_of(gbuffer.lit)
-        self._passes.fill("picture", **uniforms, **light, transparent=transparent)
+        self._passes.run("picture", **uniforms, **light, transparent=transparent)
         if upload_budget is not None:
             self._closing.measure_ahead()
         return stride == 1 and not any(drawn.missing for drawn in ranges)
@@ -121,31 +135,32 @@ class Renderer:
         day: float,
         camera: Camera,
         style: Style,
-        at: tuple[float, float],
+        position: tuple[float, float],
         size: tuple[float, float],
     ) -> int | None:
-        """The track of the organ nearest to a position in the picture, of several the one in front;
-        None beside the plant. The GPU draws the numbers of the tracks around the position.
+        """The organ nearest to a position in the picture, and of several organs the foremost one.
 
-        Points that are not on the GPU yet and organs that lie on the ground are ignored.
+        Points that are not on the GPU yet, and organs that lie on the ground, are ignored.
 
-        at:   the position, from the top left corner.
-        size: width and height of the picture, in the same unit.
+        position: right and down from the top left corner of the picture.
+        size:     width and height of the picture in the same unit.
+
+        Returns the organ's track, or None if there is no organ within PICK_RADIUS pixels.
         """
         width, height = (max(round(side), 1) for side in size)
-        ranges, splats = self._prepared(day, camera, style, (width, height), 1, 0.0)
+        ranges, splats = self._prepare(day, camera, style, (width, height), 1, 0.0)
         standing = [drawn for drawn in ranges if not drawn.layer.litter]
-        side = 2 * PICK_REACH + 1
-        target = framebuffer(self.context, (side, side), tracks=(1, "u4"), deep=True)
-        clear_numbers(self._passes, target)
-        x, y = int(at[0]), height - 1 - int(at[1])
-        target.viewport = PICK_REACH - x, PICK_REACH - y, width, height
+        side = 2 * PICK_RADIUS + 1
+        target = framebuffer(self.context, (side, side), tracks=(1, "u4"), with_depth=True)
+        clear_integers(self._passes, target)
+        x, y = int(position[0]), height - 1 - int(position[1])
+        target.viewport = PICK_RADIUS - x, PICK_RADIUS - y, width, height
         self._points.draw("splat_pick", standing, splats.uniforms())
         pixels = textures_of(target)["tracks"].read()
         tracks = np.frombuffer(pixels, np.uint32).reshape(side, side)
         rows, columns = np.nonzero(tracks != NO_TRACK)
-        distances = np.hypot(rows - PICK_REACH, columns - PICK_REACH)
-        if distances.min(initial=np.inf) > PICK_REACH:
+        distances = np.hypot(rows - PICK_RADIUS, columns - PICK_RADIUS)
+        if distances.min(initial=np.inf) > PICK_RADIUS:
             return None
         nearest = int(distances.argmin())
         return int(tracks[rows[nearest], columns[nearest]])
@@ -156,10 +171,10 @@ class Renderer:
         return self._points.buffers.loaded
 
     def release(self) -> None:
-        """Stop the thread that measures the clip."""
+        """Stop the thread that measures closing distances."""
         self._closing.stop()
 
-    def _prepared(
+    def _prepare(
         self,
         day: float,
         camera: Camera,
@@ -168,25 +183,26 @@ class Renderer:
         stride: int,
         upload_budget: float | None,
     ) -> tuple[list[DrawRange], SplatParams]:
-        """Set colours, and upload points: which of them to draw, and the splats that close the
-        surface between these.
+        """Set colours, upload points, and return the ranges to draw and the splats to draw them as.
+
+        The parameters are those of `draw`.
         """
         self._points.set_colors(day, style)
-        ranges = whole(layers_at(self.clip, day), stride)
+        ranges = full_ranges(layers_at(self.clip, day), stride)
         if upload_budget is not None:
             ranges = self._points.buffers.load(ranges, upload_budget)
-        natural, edge = splat_shape(self.clip)
-        radius = natural * style.point_size * self._closing.at(day) * math.sqrt(stride)
+        relative_radius, edge = splat_shape(self.clip)
+        radius = relative_radius * style.point_size * self._closing.at(day) * math.sqrt(stride)
         sizes = (MIN_POINT_PX * self.supersample, self._max_point_px)
         splats = SplatParams(camera, samples, radius, sizes, self._scene_radius, edge)
         missing = sum(drawn.missing for drawn in ranges)
         if missing:
-            # Whole blocks of neighbours are missing until they are uploaded; larger splats fill
-            # the gaps, as long as they are drawn fast.
-            drawn = max(sum(one.count for one in ranges), 1)
-            fast = MAX_RADIUS_PX / splats.px_per_unit(camera.eye_distance)
-            filling = math.sqrt(BLOCK * (drawn + missing) / drawn) * radius
-            splats = replace(splats, radius=max(radius, min(filling, fast)))
+            # Points are missing in blocks of neighbours. Larger splats fill these gaps, up to the
+            # radius for which the faster of the two drawing methods can be used.
+            count = max(sum(drawn.count for drawn in ranges), 1)
+            fast_radius = MAX_RADIUS_PX / splats.px_per_unit(camera.eye_distance)
+            filling_radius = math.sqrt(BLOCK * (count + missing) / count) * radius
+            splats = replace(splats, radius=max(radius, min(filling_radius, fast_radius)))
         return ranges, splats
 
     def _gbuffer_of(self, samples: tuple[int, int]) -> GBuffer:
@@ -198,12 +214,12 @@ class Renderer:
 
 
 def splat_shape(clip: Clip) -> tuple[float, float]:
-    """The radius of a clip's splats in closing distances, and their edge."""
-    aligned = all(interval.normals is not None for interval in clip.intervals)
-    return ALIGNED if aligned else FACING
+    """Radius of a clip's splats in closing distances, and their edge (SplatParams)."""
+    has_normals = all(interval.normals is not None for interval in clip.intervals)
+    return ALIGNED_SPLATS if has_normals else FACING_SPLATS
 
 
 def scene_radius(clip: Clip) -> float:
-    """Half the diagonal of a clip's bounding box, in its unit."""
-    points = outline(clip)
+    """Half the diagonal of a clip's bounding box over all times, in the clip's unit."""
+    points = sampled_positions(clip)
     return max(float(np.linalg.norm(points.max(axis=0) - points.min(axis=0))) / 2, 1e-9)

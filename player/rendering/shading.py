@@ -1,4 +1,4 @@
-"""Lights the nearest surface by its depths and, if the clip has normals, by these."""
+"""Deferred shading: lighting of the surface in the G-buffer."""
 
 import moderngl
 
@@ -7,22 +7,25 @@ from player.rendering.splats import SplatParams
 from player.view.camera import axes
 from player.view.style import GROUNDS, Style
 
-DEPTH_CUE = 0.45  # share of the fog on what is farthest
+DEPTH_CUE = 0.45  # share of fog in the colour of the farthest parts
 
 
 def smooth_depths(gbuffer: GBuffer, splats: SplatParams) -> None:
-    """Filter the scanner's noise out of the depths."""
+    """Remove the scanner's noise from depths by a separable bilateral filter."""
     for source, direction in enumerate(((1, 0), (0, 1))):
         draw_into(gbuffer.filtered[1 - source], depth="<")
         uniforms = splats.uniforms() | textures_of(gbuffer.filtered[source])
-        gbuffer.passes.fill("bilateral", **uniforms, direction=direction)
+        gbuffer.passes.run("bilateral", **uniforms, direction=direction)
 
 
 def shade(gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
-    """Light the surface in the G-buffer, and blend it behind what has been lit before."""
+    """Light the surface in the G-buffer, and blend it behind the surface lit before.
+
+    Normals are those of the clip, or derived from depths if it has none.
+    """
     draw_into(gbuffer.lit, depth="<", blend=(moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE))
     camera = splats.camera
-    gbuffer.passes.fill(
+    gbuffer.passes.run(
         "shade",
         **splats.uniforms(),
         **textures_of(gbuffer.surface),

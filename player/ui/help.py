@@ -1,4 +1,4 @@
-"""The help: every key and mouse action, straight from the table in keys.py."""
+"""The help overlay: all key and mouse actions, from the table in keys.py."""
 
 from dataclasses import replace
 
@@ -6,19 +6,19 @@ from imgui_bundle import imgui, imgui_ctx
 
 from player.ui import keys
 from player.ui.gui import Gui
-from player.ui.theme import faint, packed
+from player.ui.theme import to_u32, with_alpha
 from player.ui.widgets import FLAGS, SOLID, bare_window
 from player.view.state import Scene
 
 COLUMNS = (("Time", "Organs"), ("View", "Corrections", "Compare"), ("Look", "Export", "Window"))
-WIDE = 1090.0  # width of a window that has room for all columns side by side
-BETWEEN, PADDING, EDGE = 36.0, 24.0, 12.0  # columns; about them; from the window's edge
+WIDE_WINDOW = 1090.0  # units from which on all columns fit side by side
+COLUMN_GAP, PADDING, EDGE = 36.0, 24.0, 12.0  # units; EDGE is kept free around the overlay
 
 
 def draw_help(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
-    """Over everything in a window of `size` units; it scrolls if need be, and a click closes it."""
+    """Draw the help over a window of `size` units; any click closes it."""
     with bare_window("shade", (0.0, 0.0), size):
-        sheet, shade = imgui.get_window_draw_list(), packed(faint(gui.theme.veil, 0.7))
+        sheet, shade = imgui.get_window_draw_list(), to_u32(with_alpha(gui.theme.veil, 0.7))
         sheet.add_rect_filled((0.0, 0.0), size, shade)
     imgui.set_next_window_pos((size[0] / 2, size[1] / 2), 0, (0.5, 0.5))
     imgui.set_next_window_size_constraints((0.0, 0.0), (size[0] - 2 * EDGE, size[1] - 2 * EDGE))
@@ -38,8 +38,8 @@ def draw_help(scene: Scene, gui: Gui, size: tuple[float, float]) -> Scene:
             with imgui_ctx.begin_group():
                 for name in names:
                     _draw_section(gui, name, table[name])
-            if size[0] >= WIDE:
-                imgui.same_line(0.0, BETWEEN)
+            if size[0] >= WIDE_WINDOW:
+                imgui.same_line(0.0, COLUMN_GAP)
     pressed = any(imgui.is_mouse_clicked(button) for button in range(3))
     return replace(scene, help=False) if pressed else scene
 

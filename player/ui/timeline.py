@@ -1,4 +1,4 @@
-"""The timeline: its line, the scans' marks and dates, the handle with the current date."""
+"""The timeline: a line with marks and dates of the scans, and a handle with the current date."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -8,52 +8,53 @@ import numpy as np
 from imgui_bundle import imgui, imgui_ctx
 
 from gclip import Clip
-from player.ui.theme import Color, Pen, faint, one_line, packed
+from player.ui.theme import Color, Pen, one_line, to_u32, with_alpha
 from player.ui.widgets import EDGE, card
-from player.view.annotations import MAX_NAME
-from player.view.dates import date_at, elapsed, short_dates
+from player.view.annotations import MAX_NAME_LENGTH
 from player.view.state import Scene
+from traits.dates import date_at, elapsed, short_dates
 from traits.doubts import doubts_of
 
-DATE_SIZE, LABEL_SIZE, KEY_SIZE = 19.0, 15.0, 13.0
-REACH = 18.0  # how far from the line the mouse still takes hold of it
-SNAP = 4.0  # how near to a scan's mark a click means the scan itself
-LABELS_BELOW = 25.0  # from the line to the middle of the dates under it
-BUBBLE_ABOVE = 24.0  # from the line to the lower edge of the date's card
-DOT, HANDLE = 5.0, 8.0
-EVENT, MARK = 12.0, 19.0  # from the line to the marks of births and losses; their size
+DATE_SIZE, LABEL_SIZE, LEGEND_SIZE = 19.0, 15.0, 13.0  # of fonts
+# Lengths in units of 1/96 inch, distances from the line downwards or upwards
+HIT_DISTANCE = 18.0  # within which the mouse can drag the handle
+SNAP_DISTANCE = 4.0  # between a click and a mark within which the click selects the mark's day
+LABEL_DISTANCE, BUBBLE_DISTANCE = 25.0, 24.0  # of the centres of dates, and of the date's card
+DOT_RADIUS, HANDLE_RADIUS = 5.0, 8.0
+EVENT_DISTANCE, EVENT_SIZE = 12.0, 19.0  # of the icons of births and losses
 BORN, LOST, DOUBTFUL = "\uf0d8", "\uf0d7", "\uf068"  # icons
-DOUBT, DOUBT_GAP = 8.0, 11.0  # from the line to the stroke of a doubtful interval, and to its scans
-LEFT_OUT = 6.0  # half of the stroke where a scan was left out
+DOUBT_DISTANCE, DOUBT_GAP = 8.0, 11.0  # of strokes at doubtful intervals, and beside their scans
+HELD_OUT_HALF_LENGTH = 6.0  # of strokes at held-out scans
 
 
 @dataclass(frozen=True)
 class Line:
-    """Where the days stand."""
+    """Maps days to positions on the timeline, in units of 1/96 inch."""
 
-    left: float  #: its ends, and its height, in units
+    left: float
     right: float
-    height: float
+    height: float  #: y coordinate
     times: tuple[float, ...]  #: of the scans
-    others: tuple[float, ...] = ()  #: more days that a click means exactly
+    held_out: tuple[float, ...] = ()  #: times of held-out scans
 
     def x_of(self, day: float) -> float:
         return float(np.interp(day, self.times[:: len(self.times) - 1], (self.left, self.right)))
 
     def day_at(self, x: float) -> float:
-        """The day at a place; right at one of `times` and `others`, that day."""
-        nearest = min((*self.times, *self.others), key=lambda time: abs(self.x_of(time) - x))
-        if abs(self.x_of(nearest) - x) <= SNAP:
+        """The day at a position, which snaps to scans and held-out scans."""
+        nearest = min((*self.times, *self.held_out), key=lambda time: abs(self.x_of(time) - x))
+        if abs(self.x_of(nearest) - x) <= SNAP_DISTANCE:
             return nearest
         return float(np.interp(x, (self.left, self.right), self.times[:: len(self.times) - 1]))
 
 
-def labels_on(
+def fitting_labels(
     line: Line, texts: Sequence[str], ends: tuple[float, float], measure: Callable[[str], float]
 ) -> list[tuple[int, float]]:
-    """Which of the scans' dates fit under the line, and about which x.
+    """Choose dates of scans that fit below the line without overlap, first and last ones first.
 
-    ends: between which they stay. Those of the first and the last scan go before the others.
+    ends: the range of x coordinates for labels; measure: returns the width of a text.
+    Returns pairs of a scan's index and the x coordinate of its label's centre.
     """
     kept: dict[int, tuple[float, float]] = {}
     for scan in (0, len(texts) - 1, *range(1, len(texts) - 1)):
@@ -65,113 +66,128 @@ def labels_on(
 
 
 class TimelineView:
-    """Of one clip. held: whether the mouse drags its handle."""
+    """Draws the timeline of one clip; `dragging` tells whether the mouse drags the handle."""
 
     def __init__(self, clip: Clip) -> None:
         self._clip, self._doubts = clip, doubts_of(clip)
-        # How many organs the scan of a day shows for the first time, and how many no longer.
-        self._born = Counter(one.born for one in clip.track_table if one.born > clip.times[0])
-        self._lost = Counter(one.lost for one in clip.track_table if one.lost is not None)
+        # Numbers of organs by the time of the first scan with them, or without them.
+        self._born = Counter(t.born for t in clip.track_table if t.born > clip.times[0])
+        self._lost = Counter(t.lost for t in clip.track_table if t.lost is not None)
         self._dates = short_dates([scan.date for scan in clip.scans])
-        self.held = False
+        self.dragging = False
 
     def draw(self, pen: Pen, scene: Scene, line: Line) -> Scene:
-        """Draw it on the window that ImGui has begun; gives the scene as the mouse changed it."""
-        y, pointed = line.height, imgui.get_mouse_pos().x
-        imgui.set_cursor_screen_pos((line.left - REACH / 2, y - REACH))
-        imgui.invisible_button("timeline", (line.right - line.left + REACH, 2 * REACH))
-        self.held, hovered = imgui.is_item_active(), imgui.is_item_hovered()
-        if self.held or imgui.is_item_deactivated():  # it may be let go where it has just come to
-            scene = scene.with_timeline(lambda timeline: timeline.at(line.day_at(pointed)))
+        """Draw in ImGui's current window, and return the scene as the mouse changed it."""
+        y, mouse_x = line.height, imgui.get_mouse_pos().x
+        imgui.set_cursor_screen_pos((line.left - HIT_DISTANCE / 2, y - HIT_DISTANCE))
+        width = line.right - line.left + HIT_DISTANCE
+        imgui.invisible_button("timeline", (width, 2 * HIT_DISTANCE))
+        self.dragging, hovered = imgui.is_item_active(), imgui.is_item_hovered()
+        if self.dragging or imgui.is_item_deactivated():  # the last motion counts, too
+            scene = scene.with_timeline(lambda timeline: timeline.at(line.day_at(mouse_x)))
         day = scene.timeline.day
-        _draw_line(pen, line, day, hovered or self.held)
+        _draw_line(pen, line, day, hovered or self.dragging)
         self._draw_marks(pen, line)
         for key, _ in scene.path.keys:
-            pen.sheet.add_ngon_filled((line.x_of(key), y + EVENT), 4.5, packed(pen.theme.text), 4)
+            pen.sheet.add_ngon_filled(
+                (line.x_of(key), y + EVENT_DISTANCE), 4.5, to_u32(pen.theme.text), 4
+            )
         edges = EDGE, pen.size[0] - EDGE
-        for scan, x in labels_on(line, self._dates, edges, lambda t: pen.width(t, LABEL_SIZE)):
+        for scan, x in fitting_labels(line, self._dates, edges, lambda t: pen.width(t, LABEL_SIZE)):
             color = pen.theme.text if line.times[scan] == day else pen.theme.muted
-            pen.write(x, y + LABELS_BELOW, self._dates[scan], LABEL_SIZE, color, align=0.5)
-        side = elapsed(self._clip.scans, day, self._clip.time_unit)
-        if hovered and not self.held and abs(pointed - line.x_of(day)) > HANDLE:
-            day = line.day_at(pointed)  # what a click would go to
-            side = self._told_of(day)
-            _rings(pen, line.x_of(day), y, (DOT + SNAP, faint(pen.theme.accent, 0.35)))
-        _draw_bubble(pen, line, day, date_at(self._clip.scans, day), side)
+            pen.write(x, y + LABEL_DISTANCE, self._dates[scan], LABEL_SIZE, color, align=0.5)
+        details = elapsed(self._clip.scans, day, self._clip.time_unit)
+        if hovered and not self.dragging and abs(mouse_x - line.x_of(day)) > HANDLE_RADIUS:
+            day = line.day_at(mouse_x)  # what a click would go to
+            details = self._description_of(day)
+            _draw_discs(
+                pen,
+                line.x_of(day),
+                y,
+                (DOT_RADIUS + SNAP_DISTANCE, with_alpha(pen.theme.accent, 0.35)),
+            )
+        _draw_bubble(pen, line, day, date_at(self._clip.scans, day), details)
         return scene
 
-    def draw_key(self, pen: Pen, left: float, y: float) -> None:
-        """What the marks mean, those that occur, as far as there is room."""
+    def draw_legend(self, pen: Pen, left: float, y: float) -> None:
+        """Draw a legend of the marks that occur, as far as there is room."""
         theme, x = pen.theme, left
-        for occurs, icon, paint, text in (
+        for occurs, icon, color, text in (
             (self._born, BORN, theme.accent, "born"),
             (self._lost, LOST, theme.loss, "lost"),
             (self._doubts, DOUBTFUL, theme.loss, "in doubt"),
         ):
-            end = x + 14.0 + pen.width(text, KEY_SIZE)
+            end = x + 14.0 + pen.width(text, LEGEND_SIZE)
             if occurs and end <= pen.size[0] - EDGE:
-                pen.write(x + 4.0, y, icon, MARK, paint, align=0.5)
-                pen.write(x + 14.0, y, text, KEY_SIZE, theme.muted)
+                pen.write(x + 4.0, y, icon, EVENT_SIZE, color, align=0.5)
+                pen.write(x + 14.0, y, text, LEGEND_SIZE, theme.muted)
                 x = end + 12.0
 
     def _draw_marks(self, pen: Pen, line: Line) -> None:
-        """Births above the line, losses below it, at the scans that first show them; strokes across
-        it where scans were left out, and along it where the bake doubts an interval.
+        """Draw marks of births above the line and of losses below it, strokes across the line at
+        held-out scans, and strokes along the line at doubtful intervals.
         """
         theme, y = pen.theme, line.height
         for doubt in self._doubts:
             x, end = line.x_of(doubt.start) + DOUBT_GAP, line.x_of(doubt.end) - DOUBT_GAP
-            corners = (x, y + DOUBT), (max(end, x + 2.0), y + DOUBT + 3.0)
-            pen.sheet.add_rect_filled(*corners, packed(theme.loss), 1.5)
-        for x in map(line.x_of, line.others):
-            pen.sheet.add_line((x, y - LEFT_OUT), (x, y + LEFT_OUT), packed(theme.muted), 2.0)
+            corners = (x, y + DOUBT_DISTANCE), (max(end, x + 2.0), y + DOUBT_DISTANCE + 3.0)
+            pen.sheet.add_rect_filled(*corners, to_u32(theme.loss), 1.5)
+        for x in map(line.x_of, line.held_out):
+            pen.sheet.add_line(
+                (x, y - HELD_OUT_HALF_LENGTH),
+                (x, y + HELD_OUT_HALF_LENGTH),
+                to_u32(theme.muted),
+                2.0,
+            )
         for day in line.times:
             if self._born[day]:
-                pen.write(line.x_of(day), y - EVENT, BORN, MARK, theme.accent, align=0.5)
+                above = y - EVENT_DISTANCE
+                pen.write(line.x_of(day), above, BORN, EVENT_SIZE, theme.accent, align=0.5)
             if self._lost[day]:
-                pen.write(line.x_of(day), y + EVENT, LOST, MARK, theme.loss, align=0.5)
+                below = y + EVENT_DISTANCE
+                pen.write(line.x_of(day), below, LOST, EVENT_SIZE, theme.loss, align=0.5)
 
-    def _told_of(self, day: float) -> str:
-        """What is to be told of a scan, or of what looks wrong on a day between two."""
-        told = [f"{scan.points:,} points" for scan in self._clip.scans if scan.time == day]
-        if told:
+    def _description_of(self, day: float) -> str:
+        """Describe the scan of a day, or doubts about an interval; "" if there is neither."""
+        facts = [f"{scan.points:,} points" for scan in self._clip.scans if scan.time == day]
+        if facts:
             counts = (self._born[day], "born"), (self._lost[day], "lost")
-            return ", ".join(told + [f"{count} {what}" for count, what in counts if count])
-        wrong = [doubt.what for doubt in self._doubts if doubt.start < day < doubt.end]
-        return f"looks wrong: {', '.join(dict.fromkeys(wrong))}" if wrong else ""
+            return ", ".join(facts + [f"{count} {what}" for count, what in counts if count])
+        doubts = [doubt.what for doubt in self._doubts if doubt.start < day < doubt.end]
+        return f"looks wrong: {', '.join(dict.fromkeys(doubts))}" if doubts else ""
 
 
-def _draw_line(pen: Pen, line: Line, day: float, lively: bool) -> None:
-    theme, y, thick = pen.theme, line.height, 2.5 if lively else 1.5
+def _draw_line(pen: Pen, line: Line, day: float, highlighted: bool) -> None:
+    theme, y, thickness = pen.theme, line.height, 2.5 if highlighted else 1.5
     now = line.x_of(day)
-    for right, paint in ((line.right, theme.track), (now, theme.accent)):
-        corners = (line.left, y - thick), (right, y + thick)
-        pen.sheet.add_rect_filled(*corners, packed(paint), thick)
+    for right, color in ((line.right, theme.track), (now, theme.accent)):
+        corners = (line.left, y - thickness), (right, y + thickness)
+        pen.sheet.add_rect_filled(*corners, to_u32(color), thickness)
     for time in line.times:
-        discs = [(DOT + 2.0, theme.veil), (DOT, theme.accent)]
+        discs = [(DOT_RADIUS + 2.0, theme.veil), (DOT_RADIUS, theme.accent)]
         if time > day:
-            discs = [discs[0], (DOT, theme.muted), (DOT - 2.0, theme.veil)]
-        _rings(pen, line.x_of(time), y, *discs)
-    radius = HANDLE + (2.0 if lively else 0.0)
-    handle = (radius + 2.5, theme.veil), (radius, theme.accent), (HANDLE - 4.0, theme.veil)
-    _rings(pen, now, y, *handle)
+            discs = [discs[0], (DOT_RADIUS, theme.muted), (DOT_RADIUS - 2.0, theme.veil)]
+        _draw_discs(pen, line.x_of(time), y, *discs)
+    radius = HANDLE_RADIUS + (2.0 if highlighted else 0.0)
+    handle = (radius + 2.5, theme.veil), (radius, theme.accent), (HANDLE_RADIUS - 4.0, theme.veil)
+    _draw_discs(pen, now, y, *handle)
 
 
-def _draw_bubble(pen: Pen, line: Line, day: float, date: str, side: str) -> None:
-    """The date over a day, and beside it what else is to be told."""
-    x, bottom = line.x_of(day), line.height - BUBBLE_ABOVE
+def _draw_bubble(pen: Pen, line: Line, day: float, date: str, details: str) -> None:
+    """Draw a card with the date and details above the position of a day."""
+    x, bottom = line.x_of(day), line.height - BUBBLE_DISTANCE
     corners = (x - 6.0, bottom), (x + 6.0, bottom), (x, bottom + 6.0)
-    pen.sheet.add_triangle_filled(*corners, packed(pen.theme.card))
+    pen.sheet.add_triangle_filled(*corners, to_u32(pen.theme.card))
     with card("bubble", (x, bottom), (0.5, 1.0), pen.size[0]):
         with imgui_ctx.push_font(pen.bold, DATE_SIZE):
-            imgui.text_unformatted(one_line(date, MAX_NAME))
-        if side:
+            imgui.text_unformatted(one_line(date, MAX_NAME_LENGTH))
+        if details:
             imgui.same_line()
-            imgui.set_cursor_pos_y(imgui.get_cursor_pos_y() + 4.0)  # on the date's line
-            imgui.text_disabled(one_line(side, 2 * MAX_NAME))
+            imgui.set_cursor_pos_y(imgui.get_cursor_pos_y() + 4.0)  # align with the date's baseline
+            imgui.text_disabled(one_line(details, 2 * MAX_NAME_LENGTH))
 
 
-def _rings(pen: Pen, x: float, y: float, *discs: tuple[float, Color]) -> None:
-    """Discs over each other, of radii and colours."""
+def _draw_discs(pen: Pen, x: float, y: float, *discs: tuple[float, Color]) -> None:
+    """Draw concentric discs of some radii and colours."""
     for radius, color in discs:
-        pen.sheet.add_circle_filled((x, y), radius, packed(color), 48)
+        pen.sheet.add_circle_filled((x, y), radius, to_u32(color), 48)

@@ -1,6 +1,6 @@
-"""Buttons and windows of Dear ImGui for the actions in keys.py, with their keys as tips.
+"""Buttons with tooltips, and windows of Dear ImGui.
 
-What clips name is never a label to ImGui: a name can't change what a control is.
+Names from clips are never labels of ImGui: characters such as "##" change a control's identity.
 """
 
 from collections.abc import Iterator
@@ -12,23 +12,25 @@ from player.ui import keys
 from player.ui.theme import CLEAR
 from player.view.state import Scene
 
+Point = tuple[float, float]  # x and y, or width and height, in units of 1/96 inch
+
 FLAGS = imgui.WindowFlags_
 BARE = FLAGS.no_decoration | FLAGS.no_background | FLAGS.no_move | FLAGS.no_saved_settings
 BARE |= FLAGS.no_nav | FLAGS.no_focus_on_appearing
 SOLID = BARE & ~FLAGS.no_background
 CARD = SOLID | FLAGS.always_auto_resize | FLAGS.no_inputs | FLAGS.no_bring_to_front_on_focus
-EDGE = 8.0  # what cards keep from the window's
+EDGE = 8.0  # smallest distance of cards from the window's edge, in units
 
 
 def tip(name: str) -> None:
-    """Over the control that was just drawn: what the action does, and the keys that do it too."""
+    """Set the tooltip of the last control: what an action does, and its keys."""
     action = keys.ACTIONS[name]
     with imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (10.0, 6.0)):
         imgui.set_item_tooltip(f"{action.help}  ({', '.join(action.labels)})")
 
 
 def button(scene: Scene, name: str, label: str, size: tuple[float, float]) -> Scene:
-    """A button that does an action; gives the scene as it changed it."""
+    """Draw a button for an action, and return the scene as the action changed it."""
     with imgui_ctx.push_id(name):
         pressed = imgui.button(label, size)
     tip(name)
@@ -36,11 +38,9 @@ def button(scene: Scene, name: str, label: str, size: tuple[float, float]) -> Sc
 
 
 @contextmanager
-def bare_window(
-    name: str, place: tuple[float, float], size: tuple[float, float], flags: int = 0
-) -> Iterator[None]:
-    """An ImGui window that is only its controls, whose buttons have no ground of their own."""
-    imgui.set_next_window_pos(place)
+def bare_window(name: str, position: Point, size: Point, flags: int = 0) -> Iterator[None]:
+    """An ImGui window without decoration, background and margins."""
+    imgui.set_next_window_pos(position)
     imgui.set_next_window_size(size)
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (0.0, 0.0)),
@@ -53,21 +53,19 @@ def bare_window(
 
 
 @contextmanager
-def card(
-    name: str, place: tuple[float, float], pivot: tuple[float, float], right: float, flags: int = 0
-) -> Iterator[None]:
-    """An ImGui window as large as what is in it, which the mouse goes through.
+def card(name: str, position: Point, pivot: Point, right: float, flags: int = 0) -> Iterator[None]:
+    """An ImGui window that fits its contents and ignores the mouse.
 
-    place: where the part of it stands that `pivot` names, from (0, 0) for its upper left corner to
-           (1, 1); it is shifted to stay left of `right`.
+    position: of the card's point `pivot`, which is (0, 0) for its upper left corner and (1, 1) for
+              the lower right one; the card is shifted to stay left of `right`.
     """
-    imgui.set_next_window_pos(place, 0, pivot)
-    ground = imgui.get_style_color_vec4(imgui.Col_.popup_bg)
+    imgui.set_next_window_pos(position, 0, pivot)
+    background = imgui.get_style_color_vec4(imgui.Col_.popup_bg)
     with (
         imgui_ctx.push_style_var(imgui.StyleVar_.window_rounding, 8.0),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_border_size, 1.0),
         imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (12.0, 7.0)),
-        imgui_ctx.push_style_color(imgui.Col_.window_bg, ground),
+        imgui_ctx.push_style_color(imgui.Col_.window_bg, background),
         imgui_ctx.begin(name, None, CARD | flags),
     ):
         (left, top), width = imgui.get_window_pos(), imgui.get_window_width()

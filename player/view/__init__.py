@@ -1,6 +1,6 @@
-"""What is looked at and how, without OpenGL and without a window: cameras, colors, playback."""
+"""The state of a view, independent of OpenGL and of windows: cameras, colours, playback."""
 
 import lazy_loader
 
-# numpy loads when a camera or a colour is wanted: `play --help` stays instant.
+# Submodules are imported on first use to keep `play --help` fast.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

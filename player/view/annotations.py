@@ -1,6 +1,6 @@
-"""What is written over the plant: title, date, scale bar, legend.
+"""Annotations over the plant: title, date, scale bar, legend.
 
-One drawing for pictures, films and the window: each brings a `Pen` that knows its fonts and pixels.
+Pictures, films and the window share this layout; each implements `Pen` with its own text drawing.
 """
 
 import math
@@ -14,15 +14,16 @@ from typing import Protocol
 from gclip import Clip, Track
 from player.view.camera import Camera
 from player.view.colors import ValueRange, format_number
-from player.view.dates import date_at, elapsed
+from traits.dates import date_at, elapsed
 
-LINE, SMALL, LARGE = 23, 15, 21  # height of a line, sizes of letters
-MAX_SCALE_BAR = 0.22  # share of the width, for scale bar and ramp
-RAMP_WIDTH, RAMP_STEP = 160, 4  # units, and of so many of a ramp's colours one
-LEGEND_HEIGHT = 0.62  # share of the height
-MAX_NAME = 40  # letters of an organ's name
+LINE_HEIGHT, SMALL_FONT, LARGE_FONT = 23, 15, 21  # units of `Pen`
+MAX_BAR_WIDTH = 0.22  # of scale bar and colour bar, as a share of the picture's width
+COLOR_BAR_WIDTH = 160  # units
+COLOR_BAR_STEP = 4  # every fourth colour of a colour map is drawn
+MAX_LEGEND_HEIGHT = 0.62  # share of the picture's height
+MAX_NAME_LENGTH = 40  # characters of an organ's name
 
-# Letters and icons: files of imgui-bundle.
+# Font files of the package imgui-bundle.
 REGULAR, BOLD = "Roboto-Regular.ttf", "Roboto-Bold.ttf"
 ICONS = "Font_Awesome_6_Free-Solid-900.otf"
 
@@ -31,18 +32,19 @@ RGB = tuple[int, int, int]
 
 @dataclass(frozen=True)
 class Annotations:
-    """What to write into a picture; a film's title besides."""
+    """Which annotations to write into a picture, besides the film's title."""
 
-    date: bool = False  #: the moment's date and the time since the first scan, below on the left
-    #: a bar of a round length, as it appears at the middle of the plant, below on the right
-    scale: bool = False
-    legend: bool = False  #: what the colours mean, above on the right
+    date: bool = False  #: date and time since the first scan, bottom left
+    #: scale bar, bottom right: a round length, true at the depth of the camera's target
+    scale_bar: bool = False
+    legend: bool = False  #: meaning of the colours, top right
 
 
 class Pen(Protocol):
-    """Draws in units of a picture 720 high, from its corners inwards.
+    """Draws text and boxes at positions relative to the picture's corners.
 
-    Negative x is counted from the right, and texts end there; negative y from below.
+    Units are 1/720 of a picture's shorter side, or 1/96 inch in the window. Negative x counts from
+    the right edge, and text is then aligned right; negative y counts from the bottom edge.
     """
 
     size: tuple[float, float]  #: width and height of the picture, in units
@@ -50,64 +52,69 @@ class Pen(Protocol):
     def text(
         self, x: float, y: float, text: str, size: float, bold: bool = False, muted: bool = False
     ) -> None:
-        """One line, whose corner nearest to the picture's is at (x, y)."""
+        """Draw a line of text; the corner of it that is nearest to a picture's corner is (x, y)."""
 
     def box(self, x: float, y: float, width: float, height: float, color: RGB | None) -> None:
-        """A filled box, placed as a text is; None has the text's colour."""
+        """Draw a filled box, positioned like text; None selects the text's colour."""
 
 
 def draw_annotations(
-    pen: Pen, wanted: Annotations, day: float, camera: Camera, clip: Clip, ramp: ValueRange | None
+    pen: Pen, chosen: Annotations, day: float, camera: Camera, clip: Clip, values: ValueRange | None
 ) -> None:
-    """What is wanted in a picture; ramp: what its legend explains, if not the organs' colours."""
-    if wanted.date:
+    """Draw the chosen annotations; the legend lists the organs if there are no `values`."""
+    if chosen.date:
         draw_date(pen, day, clip)
-    if wanted.scale:
+    if chosen.scale_bar:
         draw_scale_bar(pen, camera, clip.unit)
-    if wanted.legend:
-        draw_organs(pen, clip.track_table) if ramp is None else draw_ramp(pen, ramp)
+    if chosen.legend:
+        draw_organ_legend(pen, clip.track_table) if values is None else draw_color_bar(pen, values)
 
 
 def draw_date(pen: Pen, day: float, clip: Clip) -> None:
-    """Below on the left: the date, and under it the time since the first scan, if that is news."""
+    """Draw the date at the bottom left, and below it the time since the first scan."""
     since = elapsed(clip.scans, day, clip.time_unit)
-    pen.text(0, -1 - LINE if since else -1, date_at(clip.scans, day), LARGE, bold=True)
+    y = -1 - LINE_HEIGHT if since else -1
+    pen.text(0, y, date_at(clip.scans, day), LARGE_FONT, bold=True)
     if since:
-        pen.text(0, -1, since, SMALL, muted=True)
+        pen.text(0, -1, since, SMALL_FONT, muted=True)
 
 
 def draw_scale_bar(pen: Pen, camera: Camera, unit: str) -> None:
-    """Below on the right. True at the depth of the camera's target, smaller or larger elsewhere."""
+    """Draw a bar of a round length at the bottom right, true at the depth of the target.
+
+    unit: name of the clip's unit of length, "" if it is unknown.
+    """
     width, height = pen.size
-    units = height / (2.0 * camera.distance * math.tan(camera.field_of_view / 2))
-    length = round_length(MAX_SCALE_BAR * width / units)
-    bar = length * units
-    pen.box(-1, -1, bar, 3, None)
-    for end in (-1.0, -1.0 - bar + 2):
+    scale = height / (2.0 * camera.distance * math.tan(camera.field_of_view / 2))
+    length = round_length(MAX_BAR_WIDTH * width / scale)
+    bar_width = length * scale
+    pen.box(-1, -1, bar_width, 3, None)
+    for end in (-1.0, -1.0 - bar_width + 2):
         pen.box(end, -1, 2, 10, None)
-    pen.text(-1, -16, f"{format_number(length)} {unit or 'units'}", SMALL)
+    pen.text(-1, -16, f"{format_number(length)} {unit or 'units'}", SMALL_FONT)
 
 
-def draw_organs(pen: Pen, tracks: Sequence[Track], room: float = math.inf) -> None:
-    """Above on the right: each organ's colour and name, as many as there is room for, in units."""
-    rows = max(int(min(LEGEND_HEIGHT * pen.size[1], room) / LINE), 1)
+def draw_organ_legend(pen: Pen, tracks: Sequence[Track], max_height: float = math.inf) -> None:
+    """Draw colours and names of organs at the top right, as many as fit into `max_height` units."""
+    rows = max(int(min(MAX_LEGEND_HEIGHT * pen.size[1], max_height) / LINE_HEIGHT), 1)
     shown = tracks if len(tracks) <= rows else tracks[: rows - 1]
     for row, track in enumerate(shown):
-        y = row * LINE
+        y = row * LINE_HEIGHT
         pen.box(-1, y + 2, 12, 12, track.color)
-        pen.text(-22, y, track.name[:MAX_NAME], SMALL)
+        pen.text(-22, y, track.name[:MAX_NAME_LENGTH], SMALL_FONT)
     if len(shown) < len(tracks):
-        pen.text(-1, len(shown) * LINE, f"and {len(tracks) - len(shown)} more", SMALL, muted=True)
+        more = f"and {len(tracks) - len(shown)} more"
+        pen.text(-1, len(shown) * LINE_HEIGHT, more, SMALL_FONT, muted=True)
 
 
-def draw_ramp(pen: Pen, values: ValueRange) -> None:
-    """Above on the right: the colours of values, and what the ends of the ramp stand for."""
-    pen.text(-1, 0, values.title, SMALL)
-    colors = values.colors()[::-RAMP_STEP].tolist()
-    step = min(RAMP_WIDTH, MAX_SCALE_BAR * pen.size[0]) / len(colors)
-    for place, (red, green, blue) in enumerate(colors):
-        pen.box(-1 - place * step, LINE + 2, step + 1, 12, (red, green, blue))
-    pen.text(-1, 2 * LINE, " to ".join(values.ends), SMALL, muted=True)
+def draw_color_bar(pen: Pen, values: ValueRange) -> None:
+    """Draw the colours of values at the top right, with the values at both ends."""
+    pen.text(-1, 0, values.title, SMALL_FONT)
+    colors = values.colors()[::-COLOR_BAR_STEP].tolist()
+    step = min(COLOR_BAR_WIDTH, MAX_BAR_WIDTH * pen.size[0]) / len(colors)
+    for index, (red, green, blue) in enumerate(colors):
+        pen.box(-1 - index * step, LINE_HEIGHT + 2, step + 1, 12, (red, green, blue))
+    pen.text(-1, 2 * LINE_HEIGHT, " to ".join(values.ends), SMALL_FONT, muted=True)
 
 
 def round_length(longest: float) -> float:
@@ -117,7 +124,7 @@ def round_length(longest: float) -> float:
 
 
 @cache
-def font_file(name: str) -> str:
-    """The path of REGULAR, BOLD or ICONS, found without loading imgui-bundle."""
+def font_path(name: str) -> str:
+    """The path of one of imgui-bundle's fonts, found without importing imgui-bundle."""
     folder = distribution("imgui-bundle").locate_file("imgui_bundle/assets/fonts")
     return str(next(Path(str(folder)).rglob(name)))

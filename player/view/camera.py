@@ -1,4 +1,4 @@
-"""The camera: turns about a target, with the plant's own up axis kept upright."""
+"""An orbit camera about a target; the plant's up axis stays vertical in the picture."""
 
 import math
 from dataclasses import dataclass, replace
@@ -12,18 +12,18 @@ from gclip.evaluate import positions_on_curve
 
 Vector = NDArray[np.float64]
 
-STEEPEST = math.radians(89.0)  # pitch beyond which the view would tip over
-MARGIN = 0.86  # share of the picture that a fitted plant fills
+MAX_PITCH = math.radians(89.0)  # the view would flip at 90 degrees
+FITTED_SHARE = 0.86  # share of the picture's width or height that a fitted plant fills
 FIELD_OF_VIEW = math.radians(28.0)
-OUTLINE = 60_000  # positions that the home view is fitted to, in all of a long series
-TURNS = 32  # yaws that a plant is looked at from to have room for a full turn
-DEEP = 4.0  # radii of the scene before the target and behind it that are seen
-ORTHOGRAPHIC = math.radians(1.0)  # the field of view of a parallel projection, as files tell it
-YAW, PITCH = math.radians(-60.0), math.radians(14.0)
+MAX_SAMPLED_POSITIONS = 60_000
+TURNTABLE_YAWS = 32  # directions from which a plant must fit for a full turn
+DEPTH_RADII = 4.0  # near and far plane lie so many scene radii before and behind the target
+ORTHOGRAPHIC_FIELD = math.radians(1.0)  # field of view that stands for a parallel projection
+HOME_YAW, HOME_PITCH = math.radians(-60.0), math.radians(14.0)
 
 
 def axes(up: str) -> Vector:
-    """(3, 3) rows: two horizontal axes and the up axis ("x" to "-z"), right-handed."""
+    """(3, 3) right-handed axes in rows: two horizontal unit vectors, and `up` ("x" to "-z")."""
     index, sign = "xyz".index(up[-1]), -1.0 if up.startswith("-") else 1.0
     unit = np.eye(3)
     return np.array([unit[(index + 1) % 3], sign * unit[(index + 2) % 3], sign * unit[index]])
@@ -31,142 +31,145 @@ def axes(up: str) -> Vector:
 
 @dataclass(frozen=True)
 class Camera:
-    """A camera on a sphere about its target; every move gives a new one."""
+    """An immutable orbit camera; methods that move it return a new camera."""
 
     #: the point looked at, in the clip's local coordinates
     target: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    distance: float = 5.0  #: from the eye to the target, in the clip's length unit
-    yaw: float = YAW  #: the eye's direction seen from the target, in radians
-    pitch: float = PITCH  #: the same upwards; 0 is level
-    #: the picture's height as an angle, in radians; so narrow a one as ORTHOGRAPHIC is a parallel
-    #: projection of what is as high at the target
+    distance: float = 5.0  #: from the eye to the target, in the clip's unit of length
+    yaw: float = HOME_YAW  #: direction from the target to the eye about the up axis, in radians
+    pitch: float = HOME_PITCH  #: elevation of the eye above the horizontal, in radians
+    #: vertical field of view in radians; at most ORTHOGRAPHIC_FIELD: parallel projection, with the
+    #: same height at the target
     field_of_view: float = FIELD_OF_VIEW
-    up: str = "z"  #: x, y, z, -x, -y or -z
-    radius: float = 1.0  #: of the scene, from which near and far plane follow
+    up: str = "z"  #: "x", "y", "z", "-x", "-y" or "-z"
+    radius: float = 1.0  #: of the scene, in the clip's unit; sets the near and the far plane
 
     @classmethod
     def home(cls, clip: Clip, aspect: float = 16 / 9, turning: bool = False) -> Self:
-        """The view that a clip opens with: all of its movers in the picture, seen from where the
-        plant looks widest.
+        """The camera that a clip is first shown with: all positions of its movers are visible, from
+        the side on which the plant is widest.
 
-        aspect:  width by height of the picture.
-        turning: about the stem, with room for a full turn, so that the plant stays in the picture.
+        aspect:  width of the picture divided by its height.
+        turning: whether the camera will turn about the stem, so that every yaw must be fitted.
         """
-        frame, points = axes(clip.up), outline(clip)
-        middle = (points.min(axis=0) + points.max(axis=0)) / 2
+        basis, points = axes(clip.up), sampled_positions(clip)
+        center = (points.min(axis=0) + points.max(axis=0)) / 2
         if turning:
-            middle[:2] = stem(clip)
-        radius = float(np.linalg.norm(points - middle, axis=1).max())
-        # A plant may be one point, and far from the origin.
-        radius = max(radius, 1e-6, 1e-9 * float(np.abs(middle).max()))
-        # Along the narrowest spread, from the side that is nearer to the usual one.
+            center[:2] = stem_position(clip)
+        radius = float(np.linalg.norm(points - center, axis=1).max())
+        # A plant may consist of one point, and lie far from the origin.
+        radius = max(radius, 1e-6, 1e-9 * float(np.abs(center).max()))
+        # Look along the direction of least variance, from the side nearer to HOME_YAW.
         _, directions = np.linalg.eigh(np.cov(points[:, :2].T))
         yaw = math.atan2(directions[1, 0], directions[0, 0])
-        yaw = yaw if math.cos(yaw - YAW) >= 0.0 else yaw + math.pi
-        camera = cls(triple(middle @ frame), yaw=yaw, up=clip.up, radius=radius)
-        fitted = camera.fitted_to_turns if turning else camera._centred
-        return fitted(points @ frame, aspect)
+        yaw = yaw if math.cos(yaw - HOME_YAW) >= 0.0 else yaw + math.pi
+        camera = cls(as_tuple(center @ basis), yaw=yaw, up=clip.up, radius=radius)
+        fit = camera.fitted_to_turns if turning else camera._fitted_and_centered
+        return fit(points @ basis, aspect)
 
     def fitted_to_turns(self, points: Vector, aspect: float) -> Self:
-        """As near as all of (n, 3) points are in the picture from every yaw."""
-        turns = np.linspace(0.0, 2.0 * math.pi, TURNS, endpoint=False).tolist()
-        return replace(self, distance=max(self.orbit(t, 0.0)._least(points, aspect) for t in turns))
+        """The nearest camera that sees all of (n, 3) points from every yaw."""
+        yaws = np.linspace(0.0, 2.0 * math.pi, TURNTABLE_YAWS, endpoint=False).tolist()
+        distances = [self.orbit(yaw, 0.0)._fitting_distance(points, aspect) for yaw in yaws]
+        return replace(self, distance=max(distances))
 
-    def _centred(self, points: Vector, aspect: float) -> Self:
-        """As near as all points are in the picture from this side, and in its middle."""
-        camera = replace(self, distance=self._least(points, aspect))
-        for _ in range(4):  # perspective moves the centre a little with every step nearer
-            right, above, towards = camera._frame() @ (points - np.asarray(camera.target)).T
-            away = np.maximum(camera.distance - towards, 1e-9 * camera.distance)
-            middles = [(side.min() + side.max()) / 2 for side in (right / away, above / away)]
-            shift = camera.distance * np.array([*middles, 0.0])
-            camera = replace(camera, target=triple(camera.target + camera._frame().T @ shift))
-            camera = replace(camera, distance=camera._least(points, aspect))
+    def _fitted_and_centered(self, points: Vector, aspect: float) -> Self:
+        """The nearest camera of this yaw and pitch that sees all points, centred in the picture."""
+        camera = replace(self, distance=self._fitting_distance(points, aspect))
+        for _ in range(4):  # the projected centre shifts a little whenever the distance changes
+            right, above, towards = camera._eye_axes() @ (points - np.asarray(camera.target)).T
+            depth = np.maximum(camera.distance - towards, 1e-9 * camera.distance)
+            centers = [(side.min() + side.max()) / 2 for side in (right / depth, above / depth)]
+            shift = camera.distance * np.array([*centers, 0.0])
+            camera = replace(camera, target=as_tuple(camera.target + camera._eye_axes().T @ shift))
+            camera = replace(camera, distance=camera._fitting_distance(points, aspect))
         return camera
 
-    def _least(self, points: Vector, aspect: float) -> float:
-        """The distance from which on all points are in the picture.
+    def _fitting_distance(self, points: Vector, aspect: float) -> float:
+        """The smallest distance from which all points are in the picture.
 
-        A point (right, above, towards) is where |right| / aspect and |above| are at most
-        slope × (distance - towards).
+        A point with offsets (right, above, towards) from the target is in the picture if
+        |right| / aspect and |above| are at most slope × (distance - towards).
         """
-        right, above, towards = self._frame() @ (points - np.asarray(self.target)).T
-        slope = math.tan(self.field_of_view / 2) * MARGIN
+        right, above, towards = self._eye_axes() @ (points - np.asarray(self.target)).T
+        slope = math.tan(self.field_of_view / 2) * FITTED_SHARE
         needed = towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope
         return max(float(needed.max()), 0.1 * self.radius)
 
     def orbit(self, dyaw: float, dpitch: float) -> Self:
-        """Turn about the target, in radians; the pitch stops short of straight up and down."""
-        pitch = min(max(self.pitch + dpitch, -STEEPEST), STEEPEST)
+        """Turn about the target by angles in radians; the pitch is limited to MAX_PITCH."""
+        pitch = min(max(self.pitch + dpitch, -MAX_PITCH), MAX_PITCH)
         return replace(self, yaw=math.remainder(self.yaw + dyaw, 2 * math.pi), pitch=pitch)
 
     def pan(self, dx: float, dy: float) -> Self:
         """Shift the picture right and up by shares of its height, at the target's depth."""
         height = 2.0 * self.distance * math.tan(self.field_of_view / 2)
-        right, above, _ = self._frame()
+        right, above, _ = self._eye_axes()
         target = self.target - height * (dx * right + dy * above)
-        return replace(self, target=triple(target))
+        return replace(self, target=as_tuple(target))
 
     def zoom(self, factor: float) -> Self:
-        """Come nearer by a factor above 1, go away by one below."""
+        """Divide the distance by a factor, within limits that depend on the scene's radius."""
         slope = math.tan(FIELD_OF_VIEW / 2) / math.tan(self.field_of_view / 2)
         closest, farthest = 0.02 * self.radius * slope, 50.0 * self.radius * slope
         return replace(self, distance=min(max(self.distance / factor, closest), farthest))
 
     def zoom_at(self, factor: float, right: float, up: float) -> Self:
-        """Zoom so that what is seen at a place stays there, at the target's depth.
+        """Zoom about a position in the picture: what is seen there at the target's depth stays.
 
-        right, up: the place from the picture's middle, in shares of the picture's height.
+        right, up: offset of the position from the picture's centre, in shares of its height.
         """
-        nearer = self.zoom(factor)
-        grown = self.distance / nearer.distance
-        return nearer.pan(right * (1.0 - grown), up * (1.0 - grown))
+        zoomed = self.zoom(factor)
+        scale = self.distance / zoomed.distance
+        return zoomed.pan(right * (1.0 - scale), up * (1.0 - scale))
 
-    def looking(self, yaw: float, pitch: float) -> Self:
-        """The same target from another side."""
+    def looking_from(self, yaw: float, pitch: float) -> Self:
+        """Look at the same target from another direction, in radians."""
         return replace(self, yaw=yaw, pitch=pitch).orbit(0.0, 0.0)
 
     @property
     def orthographic(self) -> bool:
-        """Whether parallels stay parallel in the picture."""
-        return self.field_of_view <= ORTHOGRAPHIC
+        """Whether the projection is parallel."""
+        return self.field_of_view <= ORTHOGRAPHIC_FIELD
 
-    def with_orthographic(self, flat: bool) -> Self:
-        """Orthographic, or in perspective; what lies at the target's depth keeps its size."""
-        angle = ORTHOGRAPHIC if flat else FIELD_OF_VIEW
-        if self.orthographic == flat:
+    def with_orthographic(self, orthographic: bool) -> Self:
+        """Switch to a parallel or a perspective projection, of the same scale at the target."""
+        angle = ORTHOGRAPHIC_FIELD if orthographic else FIELD_OF_VIEW
+        if self.orthographic == orthographic:
             return self
         distance = self.distance * math.tan(self.field_of_view / 2) / math.tan(angle / 2)
         return replace(self, field_of_view=angle, distance=distance)
 
     @property
     def eye_distance(self) -> float:
-        """From where depths are counted, to the target: parallels have no eye."""
-        return DEEP * self.radius if self.orthographic else self.distance
+        """Distance from the plane of depth 0 to the target; a parallel projection has no eye."""
+        return DEPTH_RADII * self.radius if self.orthographic else self.distance
 
     @property
     def near(self) -> float:
-        least = 0.0 if self.orthographic else 0.02 * self.distance
-        return max(self.eye_distance - DEEP * self.radius, least)
+        """Depth of the near plane."""
+        min_depth = 0.0 if self.orthographic else 0.02 * self.distance
+        return max(self.eye_distance - DEPTH_RADII * self.radius, min_depth)
 
     @property
     def far(self) -> float:
-        return self.eye_distance + DEEP * self.radius
+        """Depth of the far plane."""
+        return self.eye_distance + DEPTH_RADII * self.radius
 
     @property
     def eye(self) -> Vector:
-        """(3,) the eye's position, local coordinates."""
-        return np.asarray(self.target) + self.eye_distance * self._frame()[2]
+        """(3,) position of the eye in local coordinates."""
+        return np.asarray(self.target) + self.eye_distance * self._eye_axes()[2]
 
     def view(self) -> Vector:
-        """(4, 4) from local coordinates to the eye's (right, up, backwards): M @ column."""
+        """(4, 4) matrix from local to eye coordinates (right, up, back), for column vectors."""
         matrix = np.eye(4)
-        matrix[:3, :3] = self._frame()
+        matrix[:3, :3] = self._eye_axes()
         matrix[:3, 3] = -matrix[:3, :3] @ self.eye
         return matrix
 
     def projection(self, aspect: float) -> Vector:
-        """(4, 4) from the eye's coordinates to OpenGL's clip coordinates: M @ column."""
+        """(4, 4) matrix from eye coordinates to OpenGL's clip coordinates, for column vectors."""
         near, far, slope = self.near, self.far, math.tan(self.field_of_view / 2)
         depth = near - far
         if self.orthographic:
@@ -179,11 +182,11 @@ class Camera:
         return matrix
 
     def matrix(self, aspect: float) -> Vector:
-        """(4, 4) from local coordinates to OpenGL's clip coordinates: M @ column."""
+        """(4, 4) matrix from local to OpenGL's clip coordinates, for column vectors."""
         return self.projection(aspect) @ self.view()
 
-    def _frame(self) -> Vector:
-        """(3, 3) rows: right, above, and from the target to the eye."""
+    def _eye_axes(self) -> Vector:
+        """(3, 3) unit vectors in rows: right, above, and from the target to the eye."""
         first, second, upward = axes(self.up)
         outward = math.cos(self.yaw) * first + math.sin(self.yaw) * second
         backward = math.cos(self.pitch) * outward + math.sin(self.pitch) * upward
@@ -191,26 +194,29 @@ class Camera:
         return np.array([right, np.cross(backward, right), backward])
 
 
-def outline(clip: Clip) -> Vector:
-    """(n, 3) some ten thousand positions of all intervals, in the axes of `axes`."""
-    most = min(3000, max(200, OUTLINE // (3 * len(clip.intervals))))
+def sampled_positions(clip: Clip) -> Vector:
+    """(n, 3) positions of some movers at the start, middle and end of every interval.
+
+    Coordinates are along the rows of ``axes(clip.up)``, so the last one is the height.
+    """
+    count = min(3000, max(200, MAX_SAMPLED_POSITIONS // (3 * len(clip.intervals))))
     samples = [
-        positions_on_curve(interval, slice(None, None, max(1, len(interval) // most)), share)
+        positions_on_curve(interval, slice(None, None, max(1, len(interval) // count)), share)
         for interval in clip.intervals
         for share in (0.0, 0.5, 1.0)
     ]
     return np.concatenate(samples).astype(float) @ axes(clip.up).T
 
 
-def stem(clip: Clip) -> Vector:
-    """(2,) where the stem stands, in the first two axes of `axes`: the root organ's median."""
+def stem_position(clip: Clip) -> Vector:
+    """(2,) horizontal position of the stem along the first two `axes`: its median at the start."""
     first = clip.at(clip.times[0])
     roots = [track.id for track in clip.track_table if track.parent is None]
-    standing = np.isin(first.tracks, roots[:1])
-    points = first.local[standing] if standing.any() else first.local
+    on_stem = np.isin(first.tracks, roots[:1])
+    points = first.local[on_stem] if on_stem.any() else first.local
     return np.asarray(np.median(points @ axes(clip.up).T, axis=0)[:2])
 
 
-def triple(vector: Vector) -> tuple[float, float, float]:
-    """A vector of three numbers, as cameras hold them."""
+def as_tuple(vector: Vector) -> tuple[float, float, float]:
+    """Convert a (3,) vector to the type of `Camera.target`."""
     return float(vector[0]), float(vector[1]), float(vector[2])

@@ -1,67 +1,58 @@
-"""Where on an organ someone clicked."""
-
-from collections.abc import Sequence
-from contextlib import suppress
+"""Positions on organs by which corrections identify them."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from corrections import Place
+from corrections.provenance import file_to_local
 from gclip import Clip
 from player.view.camera import Camera
 
-UNDER_CURSOR = 0.02  # of the picture's height: what is nearest to the eye within it was clicked
+# Points that are less than this share of the picture's height farther from the click than the
+# nearest one compete; the foremost of them was clicked.
+CLICK_TOLERANCE = 0.02
 
 
 def organ_place(
     clip: Clip,
     track: int,
     day: float,
-    seen: tuple[Camera, float, tuple[float, float]] | None = None,
+    click: tuple[Camera, float, tuple[float, float]] | None = None,
 ) -> Place | None:
-    """A point of an organ in the scan nearest in time, or in the next one where that lacks it, in
-    the file's own coordinates; None where neither has the organ.
+    """A point of an organ, in the coordinates of a scan's file.
 
-    seen: how the organ is seen, the picture's width by its height, and where it was clicked: right
-          and up from the middle, from -1 to 1. Without it a point in the organ's middle is chosen.
+    Parameters
+    ----------
+    clip : gclip.Clip
+    track : int
+        Index of the organ in ``clip.track_table``.
+    day : float
+        Selects the scan nearest in time, or the next nearest one if the organ is not in it.
+    click : tuple, optional
+        Camera, width of the picture divided by its height, and the position clicked: right and up
+        from the centre, from -1 to 1. By default the organ's most central point is chosen.
+
+    Returns
+    -------
+    Place or None
+        None if neither scan contains the organ.
     """
     for scan in sorted(clip.scans, key=lambda scan: abs(scan.time - day))[:2]:
         frame = clip.at(scan.time)
         points = frame.local[frame.tracks == track].astype(np.float64)
         if len(points):
-            middle = np.linalg.norm(points - points.mean(axis=0), axis=1).argmin()
-            point = points[_clicked(points, *seen) if seen else middle]
-            x, y, z, _ = np.linalg.solve(_to_local(clip, scan.name), [*point, 1.0]).tolist()
+            central = np.linalg.norm(points - points.mean(axis=0), axis=1).argmin()
+            point = points[_clicked_index(points, *click) if click else central]
+            x, y, z, _ = np.linalg.solve(file_to_local(clip, scan.name), [*point, 1.0]).tolist()
             return Place(scan.name, (x, y, z), clip.track_table[track].name)
     return None
 
 
-def _clicked(
-    points: NDArray[np.float64], camera: Camera, aspect: float, at: tuple[float, float]
+def _clicked_index(
+    points: NDArray[np.float64], camera: Camera, aspect: float, position: tuple[float, float]
 ) -> int:
     matrix = camera.matrix(aspect)
-    right, up, depth, scale = matrix[:, :3] @ points.T + matrix[:, 3:]
-    distance = np.hypot(aspect * (right / scale - at[0]), up / scale - at[1])
-    near = np.flatnonzero(distance <= distance.min() + UNDER_CURSOR)
-    return int(near[(depth / scale)[near].argmin()])
-
-
-def _to_local(clip: Clip, scan: str) -> NDArray[np.float64]:
-    """(4, 4) transform from the coordinates in a scan's file to the clip's local coordinates."""
-    given = clip.provenance
-    wrong = (LookupError, TypeError, ValueError, OverflowError)  # provenance may hold anything
-    with suppress(*wrong), np.errstate(all="ignore"):
-        index = [entry["name"] for entry in given["inputs"]].index(scan)
-        origin = given["origins"][index] if "origins" in given else clip.origin
-        transform = np.array(given["transforms"][index], float).reshape(4, 4) @ _shift(origin)
-        transform[:, :3] *= float(given["options"]["scale"])
-        if np.isfinite(transform).all() and np.isfinite(np.linalg.inv(transform)).all():
-            return transform
-    return _shift(clip.origin)  # the clip was made by another program
-
-
-def _shift(origin: Sequence[float]) -> NDArray[np.float64]:
-    """(4, 4) transform to coordinates relative to an origin."""
-    shift = np.eye(4)
-    shift[:3, 3] -= origin
-    return shift
+    right, up, depth, w = matrix[:, :3] @ points.T + matrix[:, 3:]
+    distance = np.hypot(aspect * (right / w - position[0]), up / w - position[1])
+    candidates = np.flatnonzero(distance <= distance.min() + CLICK_TOLERANCE)
+    return int(candidates[(depth / w)[candidates].argmin()])

@@ -1,4 +1,4 @@
-"""The clock of the player: where in the series it stands and how it goes on. No graphics."""
+"""The clock of the player: the current time in the series, and how playback advances it."""
 
 from bisect import bisect_left, bisect_right
 from dataclasses import dataclass, field, replace
@@ -7,12 +7,12 @@ from typing import Self
 
 SPEEDS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
 SECONDS_PER_INTERVAL = 2.0  # at speed 1, on average over the series
-SHORTEST, LONGEST = 4.0, 24.0  # seconds that a whole series takes at speed 1
-REST = 0.8  # seconds to look at an end before the clock goes on
+MIN_SECONDS, MAX_SECONDS = 4.0, 24.0  # duration of the whole series at speed 1
+END_PAUSE = 0.8  # seconds for which the clock stops at an end before it starts over or turns back
 
 
 class AtEnd(StrEnum):
-    """What the clock does at the end of the series."""
+    """How playback continues at the end of the series."""
 
     LOOP = "loop"
     PING_PONG = "back and forth"
@@ -21,19 +21,19 @@ class AtEnd(StrEnum):
 
 @dataclass(frozen=True)
 class Timeline:
-    """A clock over a series of scans; every move gives a new one."""
+    """An immutable clock over a series of scans; methods that move it return a new clock."""
 
-    times: tuple[float, ...]  #: the scans' times, ascending, at least two, in the clip's unit
-    day: float  #: where the clock stands, from times[0] to times[-1]
+    times: tuple[float, ...]  #: times of at least two scans, ascending, in the clip's unit
+    day: float  #: current time, from times[0] to times[-1]
     playing: bool = False
-    speed: float = 1.0  #: factor on the natural speed, one of SPEEDS
+    speed: float = 1.0  #: playback speed relative to the default, one of SPEEDS
     at_end: AtEnd = AtEnd.LOOP
-    backwards: bool = False  #: on its way back (PING_PONG)
-    rest: float = field(default=0.0, compare=False)  #: seconds that the clock has waited at an end
+    backwards: bool = False  #: whether time decreases (`AtEnd.PING_PONG` only)
+    end_pause: float = field(default=0.0, compare=False)  #: seconds spent at an end so far
 
     @classmethod
     def of(cls, times: list[float] | tuple[float, ...]) -> Self:
-        """A clock that stands at the first scan."""
+        """A clock at the first scan."""
         return cls(tuple(times), times[0])
 
     @property
@@ -46,64 +46,64 @@ class Timeline:
 
     @property
     def days_per_second(self) -> float:
-        """How fast the clock goes, in the clip's unit of time."""
-        seconds = min(max(SECONDS_PER_INTERVAL * (len(self.times) - 1), SHORTEST), LONGEST)
+        """Playback speed: units of the clip's time per second."""
+        seconds = min(max(SECONDS_PER_INTERVAL * (len(self.times) - 1), MIN_SECONDS), MAX_SECONDS)
         return self.speed * (self.last - self.first) / seconds
 
     @property
     def _ends(self) -> tuple[float, float]:
-        """The days that the clock comes from, and goes to."""
+        """Where the current direction of playback starts and where it ends."""
         returns = self.backwards and self.at_end is AtEnd.PING_PONG
         return (self.last, self.first) if returns else (self.first, self.last)
 
     def tick(self, seconds: float) -> Self:
-        """Let wall time pass: however it is cut into frames, the clock arrives at the same day."""
+        """Advance by wall time; the result does not depend on how the time is split into frames."""
         if not self.playing:
             return self
-        start, goal = self._ends
-        duration = (self.last - self.first) / self.days_per_second  # seconds from end to end
-        passed = seconds + self.rest + abs(self.day - start) / self.days_per_second  # since `start`
-        if self.at_end is AtEnd.STOP and passed >= duration:
-            return replace(self, day=goal, playing=False, backwards=False, rest=0.0)
-        turns, passed = divmod(passed, duration + REST)
-        if self.at_end is AtEnd.PING_PONG and turns % 2:
-            start, goal = goal, start
-        day = goal if passed >= duration else start + (goal - start) * passed / duration
+        start, end = self._ends
+        duration = (self.last - self.first) / self.days_per_second  # seconds from start to end
+        elapsed = seconds + self.end_pause + abs(self.day - start) / self.days_per_second
+        if self.at_end is AtEnd.STOP and elapsed >= duration:
+            return replace(self, day=end, playing=False, backwards=False, end_pause=0.0)
+        runs, elapsed = divmod(elapsed, duration + END_PAUSE)
+        if self.at_end is AtEnd.PING_PONG and runs % 2:
+            start, end = end, start
+        day = end if elapsed >= duration else start + (end - start) * elapsed / duration
         return replace(
             self,
             day=min(max(day, self.first), self.last),
-            backwards=goal < start,
-            rest=max(passed - duration, 0.0),
+            backwards=end < start,
+            end_pause=max(elapsed - duration, 0.0),
         )
 
     def played(self) -> Self:
-        """Start the clock; at the end of the series it starts over, or goes back."""
+        """Start playback; at the end of the series from the start again, or backwards."""
         if self.day != self._ends[1]:
             return replace(self, playing=True)
         day = self.day if self.at_end is AtEnd.PING_PONG else self.first
-        return replace(self, playing=True, day=day, rest=0.0, backwards=day == self.last)
+        return replace(self, playing=True, day=day, end_pause=0.0, backwards=day == self.last)
 
     def paused(self) -> Self:
-        return replace(self, playing=False, rest=0.0)
+        return replace(self, playing=False, end_pause=0.0)
 
     def toggled(self) -> Self:
         return self.paused() if self.playing else self.played()
 
     def at(self, day: float) -> Self:
-        """Go to a day; days outside the series give its first or last one."""
-        return replace(self, day=min(max(day, self.first), self.last), rest=0.0)
+        """Go to a day, clipped to the series."""
+        return replace(self, day=min(max(day, self.first), self.last), end_pause=0.0)
 
     def moved(self, days: float) -> Self:
-        """Pause and go on by some days, negative for back."""
+        """Pause, and move by some days; negative numbers move back."""
         return self.paused().at(self.day + days)
 
     def stepped(self, direction: int) -> Self:
-        """Pause at the next scan (direction 1) or the one before (-1)."""
-        behind = bisect_left(self.times, self.day) - 1
-        scan = bisect_right(self.times, self.day) if direction > 0 else behind
+        """Pause at the next scan (direction 1) or the previous one (-1)."""
+        previous = bisect_left(self.times, self.day) - 1
+        scan = bisect_right(self.times, self.day) if direction > 0 else previous
         return self.paused().at(self.times[min(max(scan, 0), len(self.times) - 1)])
 
     def faster(self, steps: int = 1) -> Self:
-        """By steps of SPEEDS, negative for slower."""
+        """Increase the speed by steps of SPEEDS; negative numbers decrease it."""
         index = SPEEDS.index(self.speed) + steps
         return replace(self, speed=SPEEDS[min(max(index, 0), len(SPEEDS) - 1)])

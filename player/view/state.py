@@ -1,92 +1,94 @@
-"""Everything that the window shows and does, as one frozen value: equal scenes, equal pictures."""
+"""The state of the window as one immutable value: equal scenes are drawn as equal pictures."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Self
 
 from corrections import Place
+from corrections.history import Edits
 from gclip import Clip
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
-from player.view.choices import Compare, Edits, Output, Wish
+from player.view.choices import Compare, Output, Request
 from player.view.playback import Timeline
 from player.view.style import ColorMode, Style
 from traits.curves import plotted
 
 
 @dataclass(frozen=True)
-class Exporting:
-    """An export: its file's name, steps done of all; `ended` with a sentence once it is over."""
+class ExportProgress:
+    """Progress of an export."""
 
-    name: str
-    done: int = 0
+    name: str  #: of the exported file
+    done: int = 0  #: steps done so far, of `total`
     total: int = 0
-    ended: str = ""
+    ended: str = ""  #: once the export has ended: a sentence for the user about its result
 
 
 @dataclass(frozen=True)
 class Scene:
-    """What the user has chosen so far; keys, mouse and buttons each turn it into a new one."""
+    """Immutable state of the window; every user action replaces it by a new scene."""
 
     timeline: Timeline
     camera: Camera
-    home: Camera  #: the camera that shows the whole plant in the window's present shape
+    home: Camera  #: shows the whole first clip in a window of the current size
     style: Style
-    #: those that are shown, 1 or 2; the first one's organs have the names that they were given,
-    #: and where those change, `edits` do
+    #: one or two clips that are shown; not compared, since only names of organs change in them, and
+    #: those change together with `edits`
     clips: tuple[Clip, ...] = field(compare=False)
-    other_home: Camera | None = None  #: that shows the second clip as `home` shows the first one
-    chosen: tuple[Place, ...] = ()  #: where the picked organs were clicked, two at most
-    edits: Edits | None = None  #: what was put right about organs; None for clips from no file
-    turning: bool = False  #: the camera goes round the plant by itself
-    following: bool = False  #: the camera goes along its path
+    second_home: Camera | None = None  #: shows the whole second clip, if there is one
+    clicked_places: tuple[Place, ...] = ()  #: points clicked on picked organs, at most two
+    edits: Edits | None = None  #: corrections of organs; None for clips that come from no file
+    turning: bool = False  #: whether the camera turns about the plant
+    following: bool = False  #: whether the camera follows `path`
     path: CameraPath = field(default_factory=CameraPath)
     compare: Compare = Compare.OFF
-    wipe: float = 0.5  #: share of the width where the wipe's line stands
+    wipe: float = 0.5  #: position of the dividing line in `Compare.WIPE`, as a share of the width
     output: Output = field(default_factory=Output)
-    panel: bool = False
-    guides: bool = True  #: scale bar and axes
-    legend: bool = True  #: what the colours mean
-    curve: str = "length"  #: the trait that is plotted of the picked organ; "" for none
-    help: bool = False
+    panel: bool = False  #: whether the side panel is open
+    guides: bool = True  #: whether scale bar and axes are shown
+    legend: bool = True  #: whether the meaning of the colours is shown
+    curve: str = "length"  #: trait of the picked organ that is plotted; "" for none
+    help: bool = False  #: whether the help is open
     fullscreen: bool = False
-    notice: str = ""  #: a passing sentence for the user
-    wish: Wish | None = None
-    exporting: Exporting | None = None  #: an export under way
-    closed: bool = False
+    notice: str = ""  #: sentence for the user that disappears after a while
+    request: Request | None = None
+    exporting: ExportProgress | None = None
+    closed: bool = False  #: whether the window is to be closed
 
     @property
     def clip(self) -> Clip:
+        """The first clip."""
         return self.clips[0]
 
     @property
     def curves(self) -> list[str]:
-        """What may be plotted of an organ."""
+        """Names of the traits that can be plotted."""
         return plotted(self.clip)
 
     @property
     def color_mode(self) -> ColorMode:
-        """The colouring on screen."""
+        """The colour mode of the first clip, never `ColorMode.AUTO`."""
         return self.style.color_mode(self.clip)
 
     @property
     def color_modes(self) -> list[ColorMode]:
-        """What can be chosen, also where the clip lacks it: the answer tells how to get it."""
-        without = (ColorMode.AUTO,) if self.clip.has_colors else (ColorMode.AUTO, ColorMode.SCAN)
-        return [mode for mode in ColorMode if mode not in without]
+        """Modes to choose from, also unavailable ones, which explain how to make them available."""
+        excluded = (ColorMode.AUTO,) if self.clip.has_colors else (ColorMode.AUTO, ColorMode.SCAN)
+        return [mode for mode in ColorMode if mode not in excluded]
 
     def with_timeline(self, move: Callable[[Timeline], Timeline]) -> Self:
         return replace(self, timeline=move(self.timeline))
 
     def with_camera(self, move: Callable[[Camera], Camera]) -> Self:
-        """Move the camera, away from any path that it was following."""
+        """Move the camera, and stop following the camera path."""
         return replace(self, camera=move(self.camera), following=False)
 
     def with_style(self, notice: str = "", **changes: object) -> Self:
         return replace(self, style=replace(self.style, **changes), notice=notice)  # type: ignore[arg-type]
 
     def changed(self, field: str, value: object, notice: str = "") -> Self:
-        """Change a field, also of a part: "curve", "style.ground"."""
+        """Change a field by name, or a field of a field, such as "style.ground"."""
         part, _, name = field.rpartition(".")
         changes = {part: replace(getattr(self, part), **{name: value})} if part else {name: value}
         return replace(self, **{"notice": notice, **changes})
@@ -95,16 +97,17 @@ class Scene:
         return replace(self, notice=notice)
 
 
-def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
-    """The scene with other clips (fresh), or with the same ones as they were baked anew: then on
-    the same day, and with the same camera path. What these clips don't have is no longer shown,
-    picked or compared with.
+def with_clips(scene: Scene, clips: tuple[Clip, ...], reset: bool) -> Scene:
+    """Replace the clips of a scene, and reset what they do not contain.
+
+    reset: whether the clips are unrelated to the previous ones, so that day, camera, camera path
+           and corrections are reset, too; if not, they are the same clips, baked again.
     """
-    clip, style, path = clips[0], scene.style, CameraPath() if fresh else scene.path
+    clip, style, path = clips[0], scene.style, CameraPath() if reset else scene.path
     timeline = replace(scene.timeline, times=tuple(clip.times))
     if len(clip.track_table) != len(scene.clip.track_table):
-        style = replace(style, picked=None, second=None, alone=None, hidden=frozenset())
-    if ColorMode(style.color_by).lacking(clip):
+        style = replace(style, picked=None, second=None, isolated=None, hidden=frozenset())
+    if ColorMode(style.color_by).why_unavailable(clip):
         style = replace(style, color_by=ColorMode.AUTO)
     compare = scene.compare
     if len(clips) != len(scene.clips):
@@ -112,12 +115,12 @@ def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
     return replace(
         scene,
         clips=clips,
-        camera=scene.home if fresh else scene.camera,
-        timeline=timeline.at(clip.times[0] if fresh else timeline.day),
+        camera=scene.home if reset else scene.camera,
+        timeline=timeline.at(clip.times[0] if reset else timeline.day),
         style=style,
         compare=compare,
-        chosen=(),
-        edits=None if fresh else scene.edits,
+        clicked_places=(),
+        edits=None if reset else scene.edits,
         path=path,
         following=bool(path and scene.following),
         curve=scene.curve if scene.curve in (*plotted(clip), "") else "length",

@@ -1,4 +1,4 @@
-"""How the plant is to look: what the user chooses, apart from camera and time."""
+"""The look of a picture: colours, size of points, shading and background."""
 
 from __future__ import annotations
 
@@ -9,15 +9,14 @@ from typing import TYPE_CHECKING, Self
 if TYPE_CHECKING:
     from gclip import Clip
 
-Light = tuple[float, float, float]
+LinearColor = tuple[float, float, float]  # red, green and blue in linear light
 
 
 class ColorMode(StrEnum):
     """What movers are coloured by."""
 
-    label: str  #: what users read
-    #: of a value's colours, as `cmap` names it; "" for the scans' and the organs' own
-    colormap: str
+    label: str  #: name in the user interface
+    colormap: str  #: default colour map of values in `cmap`; "" for colours of scans and organs
 
     def __new__(cls, value: str, label: str = "", colormap: str = "") -> Self:
         mode = str.__new__(cls, value)
@@ -35,12 +34,12 @@ class ColorMode(StrEnum):
     ERROR = "error", "error", "plasma"
 
     @property
-    def painted(self) -> bool:
-        """Whether a clip is given the values' colours as its own (player/view/colors.py)."""
+    def per_mover(self) -> bool:
+        """Whether movers have values at the scans, which a copy of the clip stores as colours."""
         return self in (ColorMode.GROWTH, ColorMode.FIELD, ColorMode.ERROR)
 
-    def lacking(self, clip: Clip) -> str:
-        """Why a clip can't be coloured so, and how it could; "" where it can."""
+    def why_unavailable(self, clip: Clip) -> str:
+        """Why a clip lacks this mode, and how to bake it with the mode; "" if it is available."""
         if self is ColorMode.FIELD and not clip.fields:
             return "the clip carries no field of its scans; bake it with --fields NAMES."
         if self is ColorMode.ERROR and not clip.held_out:
@@ -49,7 +48,7 @@ class ColorMode(StrEnum):
 
 
 class ColorMap(StrEnum):
-    """The colours of values: those that suit the value, or a map by its name in `cmap`."""
+    """Colour maps of values, by their names in `cmap`; AUTO is the default of the colour mode."""
 
     AUTO = "auto"
     VIRIDIS = "viridis"
@@ -61,7 +60,7 @@ class ColorMap(StrEnum):
 
 
 class GroundChoice(StrEnum):
-    """The background."""
+    """Brightness of the background."""
 
     DARK = "dark"
     LIGHT = "light"
@@ -69,51 +68,51 @@ class GroundChoice(StrEnum):
 
 @dataclass(frozen=True)
 class Style:
-    """The look of a picture."""
+    """The look of a picture, independent of camera and time."""
 
-    #: the scans' own colours, one for each organ, or by value (player/view/colors.py)
     color_by: ColorMode = ColorMode.AUTO
-    color_map: ColorMap = ColorMap.AUTO  #: the colours of values
-    field: str = ""  #: that is coloured by; the clip's first one where it has none of that name
-    ground: str = GroundChoice.DARK  #: the background
-    point_size: float = 1.0  #: factor on the clip's natural point size, 1 closes the surfaces
-    depth_cue: bool = True  #: far parts recede into the background
-    #: strength of the shading found from depth alone, 0 switches it off (Boucheny 2009, eye-dome
-    #: lighting)
-    eye_dome: float = 1.0
-    show_ground: bool = True  #: a soft floor with the plant's shadow
-    picked: int | None = None  #: the track that is highlighted: all others stand back
-    second: int | None = None  #: another one that is highlighted
+    color_map: ColorMap = ColorMap.AUTO
+    field: str = ""  #: name of the field for `ColorMode.FIELD`; by default the clip's first field
+    ground: str = GroundChoice.DARK
+    point_size: float = 1.0  #: factor on the size of points at which they close the surface
+    depth_cue: bool = True  #: whether distant parts fade into the background
+    eye_dome: float = 1.0  #: strength of eye-dome lighting (Boucheny 2009), 0 for none
+    show_ground: bool = True  #: whether floor and shadow are drawn
+    picked: int | None = None  #: track that is highlighted; all others are dimmed
+    second: int | None = None  #: another track that is highlighted
     hidden: frozenset[int] = frozenset()  #: tracks that are not drawn
-    alone: int | None = None  #: the only track that is drawn
+    isolated: int | None = None  #: the only track that is drawn, if any
 
     def color_mode(self, clip: Clip) -> ColorMode:
-        """The colouring that it comes to with a clip."""
+        """The colour mode for a clip: `ColorMode.AUTO` is resolved by whether it has colours."""
         mode = ColorMode(self.color_by)
         if mode in (ColorMode.AUTO, ColorMode.SCAN):
             return ColorMode.SCAN if clip.has_colors else ColorMode.TRACK
         return mode
 
     @property
-    def marked(self) -> bool:
-        """Whether organs are told apart beyond their colours."""
-        return bool(self.hidden) or self.picked is not None or self.alone is not None
+    def has_organ_flags(self) -> bool:
+        """Whether any organ is hidden or dimmed, so that shaders must look it up (HAS_FLAGS)."""
+        return bool(self.hidden) or self.picked is not None or self.isolated is not None
 
 
 @dataclass(frozen=True)
 class Ground:
-    """A background's colours and the lights that go with them, all in linear light."""
+    """Colours of a background, and of the lights and texts that go with it.
 
-    top_color: Light  #: of the wall
-    bottom_color: Light
-    floor_color: Light  #: where it is lit
-    shadow_color: Light  #: of the floor where the plant keeps all light away
-    fog_color: Light  #: what far parts of the plant recede into
-    ambient_top: Light  #: light on the plant from above
-    ambient_bottom: Light
-    key_light: Light  #: from the lamp
-    text: str  #: what is written over it, #rrggbb
-    muted: str  #: what of that stays back
+    The names of the linear colours are those of the uniforms in ground.glsl and shade.frag.
+    """
+
+    top_color: LinearColor  #: of the wall, at the top of the picture
+    bottom_color: LinearColor  #: of the wall, at the bottom of the picture
+    floor_color: LinearColor  #: of the lit floor
+    shadow_color: LinearColor  #: of the floor in full shadow
+    fog_color: LinearColor  #: that distant parts of the plant fade into
+    ambient_top: LinearColor  #: light on the plant from above
+    ambient_bottom: LinearColor  #: light on the plant from below
+    key_light: LinearColor
+    text: str  #: colour of text, "#rrggbb" in sRGB
+    muted: str  #: colour of secondary text, "#rrggbb" in sRGB
 
 
 GROUNDS = {

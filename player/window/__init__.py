@@ -1,6 +1,6 @@
-"""The window: what it shows, its input, and what the input does."""
+"""The application window: its event loop, views of clips, exports and settings."""
 
 import lazy_loader
 
-# GLFW and Dear ImGui load when a window opens: `play --help` stays instant.
+# Submodules are imported on first use to keep `play --help` fast.
 __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

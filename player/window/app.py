@@ -1,7 +1,7 @@
-"""The window: shows clips, and lets keys and mouse change what is seen.
+"""The event loop of the window.
 
-The scene is a frozen value (player/view/state.py). Events turn it into a new one, time passes over
-it, and a picture is drawn only where it would differ from the last one.
+The state is an immutable scene (player/view/state.py). Events and the passing of time replace it,
+and a frame is drawn only if it would differ from the last one.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,196 +16,201 @@ from gclip.errors import UserError
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
 from player.ui import actions, keys
-from player.ui.annotations import strip_height
+from player.ui.annotations import plot_height
 from player.ui.gui import Gui
 from player.ui.interface import Interface
 from player.ui.panel import panel_width
 from player.view.camera import Camera
 from player.view.choices import Compare
-from player.view.dates import date_at
 from player.view.playback import Timeline
 from player.view.split_view import panes_of
-from player.view.state import Scene, reopened
+from player.view.state import Scene, with_clips
 from player.window.dynamic_resolution import Detail, DynamicResolution
-from player.window.export_job import Exports
-from player.window.glfw_window import Measures, listen, switch_fullscreen
-from player.window.opened_clip import FileWatch, KeptEdits, OpenClip
-from player.window.viewports import Viewports, fitted, home_camera
+from player.window.export_job import ExportJob
+from player.window.glfw_window import WindowSize, set_callbacks, switch_fullscreen
+from player.window.opened_clip import CorrectionsFile, FileWatch, OpenClip
+from player.window.viewports import Viewports, home_camera, with_fitted_cameras
+from traits.dates import date_at
 
-NOTICE_SECONDS, READING = 1.5, 0.06  # that a notice stays, and for each of its characters
-TURN_SPEED = 0.35  # radians a second of the camera going round by itself
-SHORTEST = 1 / 150  # seconds from picture to picture: displays show no more
-LONGEST_STEP = 1.0  # seconds: after a halt (a laptop's closed lid) the plant must not leap
-LOADING = 0.01  # seconds of every picture for bringing movers to the GPU
-IDLE = 0.25  # seconds between looks at the terminal's Ctrl-C, files and exports at rest
-SETTLING = 0.6  # seconds that pictures go on after an event: tips come, cards find their sizes
+NOTICE_SECONDS, SECONDS_PER_CHARACTER = 1.5, 0.06  # for which a notice is shown
+TURN_SPEED = 0.35  # radians per second of the turning camera
+MIN_FRAME_SECONDS = 1 / 150  # limits the frame rate where vertical sync is missing
+MAX_TIME_STEP = 1.0  # seconds; playback must not jump after a suspended laptop resumes
+UPLOAD_SECONDS = 0.01  # of each frame for uploading movers to the GPU
+IDLE_SECONDS = 0.25  # between checks for Ctrl-C, changed files and exports when nothing moves
+SETTLING_SECONDS = 0.6  # of drawing after an event, while tooltips appear and cards are laid out
 
 
 class Window:
-    """Clips in one open window, whose OpenGL context is current; `watch` gets every scene shown."""
+    """Shows clips in an open GLFW window, whose OpenGL context is current.
+
+    changes: fields of the first scene by name, including its style.
+    watch:   is called with the scene after each frame.
+    """
 
     def __init__(self, handle: Any, clips: Sequence[OpenClip], changes: Mapping[str, Any]) -> None:
-        """changes: fields of the first scene that are not as usual, the style among them."""
         self._handle, self.watch = handle, lambda scene: None
         self._context = from_window()
         self._gui = Gui()
-        self._exports = Exports()
-        self._measures = Measures.of(handle)
+        self._exports = ExportJob()
+        self._size = WindowSize.of_window(handle)
         self._dropped: list[str] = []
-        self._drawn: tuple[Scene, Measures] | None
-        self._view: tuple[float, Camera, Measures] | None
+        self._drawn: tuple[Scene, WindowSize] | None
+        self._view: tuple[float, Camera, WindowSize] | None
         self._changed_at, self._notice, self._notice_ends = 0.0, "", 0.0
-        self._shown, clip = ExitStack(), clips[0].clip
+        self._resources, clip = ExitStack(), clips[0].clip
         camera, timeline = home_camera(clip, (16.0, 9.0)), Timeline.of(clip.times).played()
         self.scene = Scene(timeline, camera, camera, changes["style"], (clip,))
-        self._show(clips, fresh=True)
+        self._show(clips, reset=True)
         self.scene = replace(self.scene, **{"notice": "", **changes})
-        listen(handle, self._press, self._draw_again, self._dropped.extend)
+        set_callbacks(handle, self._press, self._draw_again, self._dropped.extend)
 
     def run(self) -> tuple[Scene, tuple[int, int]]:
-        """Draw and listen until the window is closed; gives the last scene, and (width, height) in
-        units of 1/96 inch.
+        """Run the event loop until the window is closed.
+
+        Returns the last scene, and (width, height) of the window in units of 1/96 inch.
         """
         then = glfw.get_time()
         while not self.scene.closed and not glfw.window_should_close(self._handle):
             now = glfw.get_time()
-            self._pass_time(min(now - then, LONGEST_STEP), now)
+            self._pass_time(min(now - then, MAX_TIME_STEP), now)
             then = now
-            self._serve()
-            self.scene = self._kept.written(self.scene)
+            self._handle_requests()
+            self.scene = self._corrections.synchronized(self.scene)
             self._follow_window()
             self._draw()
-            if self._lively:
-                # Vertical sync paces this loop; where there is none, the wait does.
-                glfw.wait_events_timeout(max(then + SHORTEST - glfw.get_time(), 0.0005))
+            if self._is_animated:
+                # Vertical sync limits the frame rate; this wait does so where there is none.
+                glfw.wait_events_timeout(max(then + MIN_FRAME_SECONDS - glfw.get_time(), 0.0005))
             else:
-                glfw.wait_events_timeout(IDLE)
+                glfw.wait_events_timeout(IDLE_SECONDS)
                 then = glfw.get_time()
-        width, height = self._measures.units
+        width, height = self._size.units
         return self.scene, (round(width), round(height))
 
     def release(self) -> None:
         self._exports.release()
-        self._shown.close()
+        self._resources.close()
         self._gui.release()
 
-    def _show(self, clips: Sequence[OpenClip], fresh: bool) -> None:
-        """Show clips: other ones (fresh), or the same ones as they were baked anew."""
-        self._shown.close()
-        self.clips, bare = tuple(clips), tuple(one.clip for one in clips)
-        self.viewports = Viewports(self._context, bare)
-        self._interface = Interface(self._gui, bare[0], " · ".join(one.name for one in clips))
-        for made in (self.viewports, self._interface.organs):
-            self._shown.callback(made.release)
-        most = max(len(interval) for clip in bare for interval in clip.intervals)
-        self._resolution = DynamicResolution(most)
-        self._kept = KeptEdits(clips[0])
-        self._files = FileWatch(*[one.file for one in clips if one.file is not None])
+    def _show(self, clips: Sequence[OpenClip], reset: bool) -> None:
+        """Show other clips (reset), or the same clips after they were baked again."""
+        self._resources.close()
+        self.clips, opened = tuple(clips), tuple(entry.clip for entry in clips)
+        self.viewports = Viewports(self._context, opened)
+        self._interface = Interface(self._gui, opened[0], " · ".join(entry.name for entry in clips))
+        for resource in (self.viewports, self._interface.organs):
+            self._resources.callback(resource.release)
+        max_movers = max(len(interval) for clip in opened for interval in clip.intervals)
+        self._resolution = DynamicResolution(max_movers)
+        self._corrections = CorrectionsFile(clips[0])
+        self._files = FileWatch(*[entry.file for entry in clips if entry.file is not None])
         self._fitted: tuple[float, float, float] | None = None
         self._drawn = self._view = None
-        told = f"Opened {clips[0].name}" if fresh else "Baked anew: loaded again"
-        self.scene = reopened(self.scene, bare, fresh).with_notice(told)
+        notice = f"Opened {clips[0].name}" if reset else "Baked anew: loaded again"
+        self.scene = with_clips(self.scene, opened, reset).with_notice(notice)
 
     @property
-    def _lively(self) -> bool:
-        """Whether time alone changes what is seen; if not, the GPU rests until an event comes."""
+    def _is_animated(self) -> bool:
+        """Whether the picture changes without events; if not, no frames are drawn."""
         return (
-            (self.scene.timeline.playing and not self._interface.timeline.held)
+            (self.scene.timeline.playing and not self._interface.timeline.dragging)
             or self.scene.turning
             or self.scene.notice != ""
-            or glfw.get_time() < self._changed_at + SETTLING
-            or not self.viewports.whole
+            or glfw.get_time() < self._changed_at + SETTLING_SECONDS
+            or not self.viewports.complete
         )
 
     def _pass_time(self, seconds: float, now: float) -> None:
+        """Advance playback, camera, exports and notices."""
         scene = self.scene
-        if not self._interface.timeline.held:
+        if not self._interface.timeline.dragging:
             scene = scene.with_timeline(lambda t: t.tick(seconds))
-        if scene.turning and not self._interface.mouse.drags:
+        if scene.turning and not self._interface.mouse.dragging:
             scene = scene.with_camera(lambda c: c.orbit(TURN_SPEED * seconds, 0.0))
         if scene.following and scene.path:
             scene = replace(scene, camera=scene.path.at(scene.timeline.day))
-        scene = self._exports.followed(scene)
+        scene = self._exports.with_progress(scene)
         if scene.notice != self._notice:
             self._notice = scene.notice
-            self._notice_ends = now + NOTICE_SECONDS + READING * len(scene.notice)
+            self._notice_ends = now + NOTICE_SECONDS + SECONDS_PER_CHARACTER * len(scene.notice)
         elif scene.notice and now > self._notice_ends:
             scene = scene.with_notice("")
         self.scene = scene
 
-    def _serve(self) -> None:
-        """Do what was asked for once; show what was dropped on the window, or was baked anew."""
+    def _handle_requests(self) -> None:
+        """Handle the scene's request, dropped files, and clips that were baked again."""
         dropped, self._dropped[:] = list(self._dropped), []
         try:
-            if self.scene.wish is not None:
-                self.scene = self._exports.granted(self.scene, self.clips[0], self._area)
+            if self.scene.request is not None:
+                self.scene = self._exports.handle_request(self.scene, self.clips[0], self._area)
             if dropped:
-                self._show([OpenClip.of(Path(name)) for name in dropped[:2]], fresh=True)
+                self._show([OpenClip.from_file(Path(name)) for name in dropped[:2]], reset=True)
             elif self._files.changed():
-                again = [OpenClip.of(one.file) if one.file else one for one in self.clips]
-                self._show(again, fresh=False)
+                reopened = [OpenClip.from_file(old.file) if old.file else old for old in self.clips]
+                self._show(reopened, reset=False)
         except UserError as error:
-            told = str(error)
-            for name in dropped:  # folders would leave no room for what is wrong
-                told = told.replace(name, Path(name).name)
-            self.scene = replace(self.scene, wish=None, notice=told)
+            notice = str(error)
+            for name in dropped:  # without the folder, the reason fits into the notice
+                notice = notice.replace(name, Path(name).name)
+            self.scene = replace(self.scene, request=None, notice=notice)
 
     def _press(self, key: str, shift: bool, repeated: bool) -> None:
-        if self._gui.takes(key):
-            self._gui.type(key)
+        if self._gui.captures(key):
+            self._gui.send_key(key)
         else:
-            self.scene = keys.pressed(self.scene, key.lower(), shift, repeated)
+            self.scene = keys.apply_key(self.scene, key.lower(), shift, repeated)
 
     def _follow_window(self) -> None:
-        """Take over the window's present size, and give it the state that the scene asks for."""
+        """Apply full screen to the window, and fit the home cameras to its current size."""
         switch_fullscreen(self._handle, self.scene.fullscreen)
-        self._measures = Measures.of(self._handle)
-        # Fit the cameras to the part that a plant has.
-        width, height = (length / self._measures.scale for length in self._area)
+        self._size = WindowSize.of_window(self._handle)
+        width, height = (length / self._size.scale for length in self._area)
         width *= 0.5 if self.scene.compare is Compare.BESIDE else 1.0
-        plot = strip_height(self.scene)
-        if self._measures.visible and self._fitted != (width, height, plot):
+        plot = plot_height(self.scene)
+        if self._size.visible and self._fitted != (width, height, plot):
             self._fitted = (width, height, plot)
-            self.scene = fitted(self.scene, (width, height), plot)
+            self.scene = with_fitted_cameras(self.scene, (width, height), plot)
 
     @property
     def _area(self) -> tuple[int, int]:
-        """(width, height) in pixels of the part that shows plants."""
-        return self._measures.beside(panel_width(self.scene))
+        """(width, height) in pixels of the part of the window beside the panel."""
+        return self._size.pixels_beside(panel_width(self.scene))
 
     def _draw(self) -> None:
-        """Draw the next picture, if it may differ from the last one."""
-        scene, measures, now = self.scene, self._measures, glfw.get_time()
-        measuring = self._interface.organs.measuring  # what is measured changes a card
-        if (scene, measures) != self._drawn or self._gui.pending or measuring:
+        """Draw a frame, if it may differ from the last one."""
+        scene, size, now = self.scene, self._size, glfw.get_time()
+        measuring = self._interface.organs.measuring  # results will appear in the organ's card
+        if (scene, size) != self._drawn or self._gui.has_events or measuring:
             self._changed_at = now
-        elif not self._lively:
+        elif not self._is_animated:
             return
-        if not measures.visible:
+        if not size.visible:
             return
-        view = scene.timeline.day, scene.camera, measures
+        view = scene.timeline.day, scene.camera, size
         moves = view != self._view
-        panes = panes_of(scene, [one.name for one in self.clips])
+        panes = panes_of(scene, [entry.name for entry in self.clips])
         detail = self._resolution.detail(self._area) if moves else Detail()
-        budget = LOADING if moves or self.viewports.loading else None
-        self.viewports.paint(self._area, panes, scene.style, detail, budget)
+        budget = UPLOAD_SECONDS if moves or self.viewports.loading else None
+        self.viewports.draw(self._area, panes, scene.style, detail, budget)
         screen, date = self._context.screen, date_at(scene.clip.scans, scene.timeline.day)
-        self.viewports.show(screen)
-        self.scene = self._interface.draw(screen, self.scene, measures.units, measures.scale, panes)
+        self.viewports.blit(screen)
+        self.scene = self._interface.draw(screen, self.scene, size.units, size.scale, panes)
         check_context(self._context)
-        if moves:  # swapping waits for the display
-            self._resolution.frame_took(max(glfw.get_time() - now, self.viewports.gpu_seconds))
+        if moves:  # measured before swapping, which waits for the display
+            self._resolution.record_frame(max(glfw.get_time() - now, self.viewports.gpu_seconds))
         glfw.swap_buffers(self._handle)
         glfw.set_window_title(self._handle, f"{date} · {self.clips[0].name}")
-        self._drawn, self._view = (scene, measures), view
+        self._drawn, self._view = (scene, size), view
         mouse = self._interface.mouse
         if mouse.clicked is not None:
-            found = self.viewports.organ_under(self.scene, mouse.clicked, measures.scale)
-            self.scene = actions.pick(self.scene, *found, mouse.more) if found else self.scene
+            picked = self.viewports.organ_under(self.scene, mouse.clicked, size.scale)
+            if picked:
+                self.scene = actions.pick(self.scene, *picked, mouse.with_shift)
         self.watch(self.scene)
 
     def _draw_again(self) -> None:
-        """The system lost the picture, or is changing the window's size right now."""
+        """Draw because the system lost the contents of the window, or is resizing it."""
         self._drawn = None
         self._follow_window()
         self._draw()

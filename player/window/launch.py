@@ -1,4 +1,4 @@
-"""Opens the window as the command line and the last time left it, and remembers how it ends."""
+"""Opens the window with the settings of the last session, and saves them at the end."""
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -6,9 +6,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-if sys.platform == "darwin":  # two copies of GLFW clash there: `glfw` takes imgui-bundle's
+if sys.platform == "darwin":  # `glfw` must use imgui-bundle's copy: two copies conflict there
     import imgui_bundle  # noqa: F401
-import glfw  # noqa: F401  elsewhere before imgui-bundle, whose copy of GLFW knows no Wayland
+import glfw  # noqa: F401  elsewhere first, since imgui-bundle's copy does not support Wayland
 
 from gclip import Clip
 from player.errors import PlayerError
@@ -18,34 +18,36 @@ from player.view.camera_animation import CameraPath, load_path
 from player.view.state import Scene
 from player.view.style import ColorMode, GroundChoice, Style
 from player.window.app import Window
-from player.window.glfw_window import opened
+from player.window.glfw_window import open_window
 from player.window.opened_clip import OpenClip
 from player.window.settings import Settings, load_settings, save_settings
 
-RESETS = 3  # of the graphics driver that are put up with
+MAX_RESETS = 3  # of the graphics driver, after which the player gives up
 
 
 def start(
     files: Sequence[Path], style: Style, size: tuple[int, int] | None,
     ground: GroundChoice | None, turning: bool, path: Path | None, profile: bool,
 ) -> None:  # fmt: skip
-    """Play one clip, or two in step, as the command line and the last time left the window.
+    """Play one clip, or two side by side, for the command line.
 
-    size, ground: None for those of the last time; path: file of a camera path to follow.
-    Raises ClipError, and PlayerError as `show` does.
+    size, ground: None for those of the last session; path: file of a camera path to follow.
+    Raises ClipError for a damaged clip, and PlayerError as `show` does.
     """
-    clips = [OpenClip.of(file) for file in files]
-    if lacking := ColorMode(style.color_by).lacking(clips[0].clip):
-        raise PlayerError(lacking)
-    last = load_settings()
+    clips = [OpenClip.from_file(file) for file in files]
+    if reason := ColorMode(style.color_by).why_unavailable(clips[0].clip):
+        raise PlayerError(reason)
+    saved = load_settings()
     camera_path = load_path(path, clips[0].clip) if path else CameraPath()
-    kept = {name: getattr(last, name) for name in ("panel", "guides", "legend")}
-    changes = {"turning": turning, "path": camera_path, "following": bool(camera_path), **kept}
-    style = replace(style, ground=ground or last.ground)
-    scene, shown = show(clips, style, size=size or last.size, changes=changes, profile=profile)
-    size = last.size if size or scene.fullscreen else shown
-    light = GroundChoice(scene.style.ground)
-    save_settings(Settings(size, scene.panel, light, scene.guides, scene.legend))
+    visible = {name: getattr(saved, name) for name in ("panel", "guides", "legend")}
+    changes = {"turning": turning, "path": camera_path, "following": bool(camera_path), **visible}
+    style = replace(style, ground=ground or saved.ground)
+    scene, final_size = show(
+        clips, style, size=size or saved.size, changes=changes, profile=profile
+    )
+    size = saved.size if size or scene.fullscreen else final_size
+    chosen_ground = GroundChoice(scene.style.ground)
+    save_settings(Settings(size, scene.panel, chosen_ground, scene.guides, scene.legend))
 
 
 def show(
@@ -58,51 +60,51 @@ def show(
     watch: Callable[[Scene], None] = lambda scene: None,
     profile: bool = False,
 ) -> tuple[Scene, tuple[int, int]]:
-    """Play a clip, or two in step, in a window until the user closes it.
+    """Play a clip, or two side by side, in a window until the user closes it.
 
-    Where the graphics driver is reset, a new window goes on where the lost one was.
+    After a reset of the graphics driver a new window continues with the same scene.
 
     Parameters
     ----------
     clips : Clip or sequence of OpenClip
     style : Style, optional
-        How it looks at first.
+        Initial style.
     name : str
-        What to call a bare clip in the titles.
+        Title of a clip that is given without a name.
     size : tuple of int
         (width, height) of the window in units of 1/96 inch.
     changes : mapping
-        Fields of the first scene that are not as usual.
+        Fields of the first scene by name.
     watch : callable
-        Is called with the scene after each picture.
+        Called with the scene after each frame.
     profile : bool
-        Whether to print at the end what each pass of a frame took on the GPU.
+        Whether to print the GPU time of each render pass at the end.
 
     Returns
     -------
     Scene, tuple of int
-        The last scene, and the window's size.
+        The last scene, and the final size of the window.
 
     Raises
     ------
     PlayerError
-        Where there is no display, no OpenGL 3.3, or too little of the GPU's memory.
+        If there is no display, no OpenGL 3.3, or too little GPU memory.
     """
-    shown = tuple(clips) if isinstance(clips, Sequence) else (OpenClip(clips, name),)
-    lost: list[Scene] = []
+    entries = tuple(clips) if isinstance(clips, Sequence) else (OpenClip(clips, name),)
+    lost_scenes: list[Scene] = []
     while True:
-        with opened(size, shown[0].name) as handle:
-            window = Window(handle, shown, {"style": style or Style(), **(changes or {})})
+        with open_window(size, entries[0].name) as handle:
+            window = Window(handle, entries, {"style": style or Style(), **(changes or {})})
             window.watch = watch
-            window.scene = lost[-1] if lost else window.scene
+            window.scene = lost_scenes[-1] if lost_scenes else window.scene
             try:
-                ended = window.run()
+                result = window.run()
                 if profile:
                     print(profile_table(window.viewports.timers), file=sys.stderr)
-                return ended
+                return result
             except ContextLost:
-                shown, lost = window.clips, [*lost, window.scene]
-                if len(lost) > RESETS:
+                entries, lost_scenes = window.clips, [*lost_scenes, window.scene]
+                if len(lost_scenes) > MAX_RESETS:
                     raise
             finally:
                 window.release()

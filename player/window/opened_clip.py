@@ -1,4 +1,4 @@
-"""Clips, the files that they come from, and the corrections that are kept beside them."""
+"""Clips with their files, and the files with corrections of their organs."""
 
 import os
 from contextlib import suppress
@@ -6,49 +6,48 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Self
 
-from msgspec import ValidationError, convert
-
 import gclip
-from corrections import Correction, corrections_file, read_corrections, write_corrections
+from corrections import corrections_file, read_corrections, write_corrections
+from corrections.history import Edits
+from corrections.provenance import baked_corrections
 from gclip import Clip
 from gclip.errors import UserError
-from player.view.choices import Edits
 from player.view.state import Scene
 
 
 @dataclass(frozen=True)
 class OpenClip:
-    """A clip, what the user calls it, and the file that it comes from, if any."""
+    """A clip that is shown in a window."""
 
     clip: Clip
-    name: str
-    file: Path | None = None
+    name: str  #: title for users
+    file: Path | None = None  #: that the clip was read from, if any
 
     @classmethod
-    def of(cls, file: Path) -> Self:
-        """Raises ClipError where it is no clip."""
+    def from_file(cls, file: Path) -> Self:
+        """Read a clip; raises ClipError if the file is not a valid one."""
         return cls(gclip.open(file), file.stem, file)
 
 
 class FileWatch:
-    """Notices when files are replaced, as `bake` does by renaming; missing ones are awaited."""
+    """Detects that files were modified, replaced or created."""
 
     def __init__(self, *files: Path) -> None:
-        self._seen: dict[Path, object] = dict.fromkeys(files)
+        self._states: dict[Path, object] = dict.fromkeys(files)
         self.changed()
 
     def changed(self) -> bool:
-        """Whether any of them is another file than at the last look."""
-        before = dict(self._seen)
-        for file in before:
+        """Whether any file has changed since the last call."""
+        previous = dict(self._states)
+        for file in previous:
             with suppress(OSError):
                 state = os.stat(file)
-                self._seen[file] = state.st_ino, state.st_size, state.st_mtime_ns
-        return before != self._seen
+                self._states[file] = state.st_ino, state.st_size, state.st_mtime_ns
+        return previous != self._states
 
 
-class KeptEdits:
-    """Of one clip: a file that people may edit while the window is open."""
+class CorrectionsFile:
+    """The corrections file of one clip, which others may edit while the window is open."""
 
     def __init__(self, opened: OpenClip) -> None:
         self._baked = baked_corrections(opened.clip)
@@ -56,29 +55,22 @@ class KeptEdits:
         self._watch = FileWatch(*[self._file] if self._file else [])
         self._saved: Edits | None = None
 
-    def written(self, scene: Scene) -> Scene:
-        """Write what the scene changed, or take over what the file says now."""
+    def synchronized(self, scene: Scene) -> Scene:
+        """Read the corrections if the file has changed; if not, write those of the scene."""
         if self._file is None:
             return scene
-        edits, reads = scene.edits, self._saved is None or self._watch.changed()
+        edits, must_read = scene.edits, self._saved is None or self._watch.changed()
         try:
-            if reads:
-                now = read_corrections(self._file) if self._file.exists() else ()
+            if must_read:
+                corrections = read_corrections(self._file) if self._file.exists() else ()
                 edits = replace(edits or Edits(), baked=self._baked)
-                edits = edits if now == edits.now else edits.changed(now)
-            elif edits and not (self._saved and edits.now == self._saved.now):
-                write_corrections(self._file, edits.now)
+                edits = edits if corrections == edits.current else edits.changed(corrections)
+            elif edits and not (self._saved and edits.current == self._saved.current):
+                write_corrections(self._file, edits.current)
                 self._watch.changed()
         except UserError as error:
-            edits = None if reads else self._saved
+            edits = None if must_read else self._saved
             self._saved = self._saved or Edits()
             return replace(scene, edits=edits, notice=str(error))
         self._saved = edits or self._saved
         return replace(scene, edits=edits)
-
-
-def baked_corrections(clip: Clip) -> tuple[Correction, ...]:
-    """The corrections that a clip was baked with, as its provenance lists them."""
-    with suppress(LookupError, TypeError, ValidationError):  # provenance may hold anything
-        return convert(clip.provenance["options"]["corrections"], tuple[Correction, ...])
-    return ()

@@ -1,4 +1,4 @@
-"""What the window remembers from one time to the next."""
+"""Settings of the window that are kept between sessions."""
 
 from contextlib import suppress
 from pathlib import Path
@@ -12,21 +12,21 @@ from player.view.style import GroundChoice
 
 FILE = "window.json"
 
-Side = Annotated[int, Meta(ge=320, le=16384)]  # units
+Side = Annotated[int, Meta(ge=320, le=16384)]  # units of 1/96 inch
 
 
 class Settings(msgspec.Struct, frozen=True):
-    """As they are on the first day."""
+    """Settings of the window, with their defaults."""
 
-    size: tuple[Side, Side] = (1280, 720)  #: of the window in units of 1/96 inch
-    panel: bool = True  #: whether it is open
-    ground: GroundChoice = GroundChoice.DARK  #: the background
-    guides: bool = True  #: whether they are shown, as `legend`
-    legend: bool = True
+    size: tuple[Side, Side] = (1280, 720)  #: (width, height) of the window
+    panel: bool = True  #: whether the panel is open
+    ground: GroundChoice = GroundChoice.DARK
+    guides: bool = True  #: whether scale bar and axes are shown
+    legend: bool = True  #: whether the legend is shown
 
 
 def load_settings() -> Settings:
-    """What was saved last; nothing where there is no such file, or it makes no sense."""
+    """Read the saved settings; defaults if the file is missing or invalid."""
     try:
         return msgspec.json.decode((_folder() / FILE).read_bytes(), type=Settings)
     except (OSError, ValueError, msgspec.DecodeError, RecursionError):
@@ -34,7 +34,7 @@ def load_settings() -> Settings:
 
 
 def save_settings(settings: Settings) -> None:
-    """Where the folder can't be written to, nothing is remembered."""
+    """Write settings; a folder that is not writable is ignored."""
     with suppress(OSError):
         _folder().mkdir(parents=True, exist_ok=True)
         (_folder() / FILE).write_bytes(msgspec.json.encode(settings))

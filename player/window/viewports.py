@@ -1,4 +1,4 @@
-"""The plants in a window: drawn into a picture of their own, shown as it is until they change."""
+"""Views of clips in a window, drawn into textures that are reused until the view changes."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,48 +14,50 @@ from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.colors import Colors
 from player.view.organ_place import organ_place
-from player.view.split_view import Pane, paired_homes, transferred
+from player.view.split_view import Pane, paired_home_cameras, transferred_camera
 from player.view.state import Scene
 from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
 
 Size = tuple[int, int]  # width and height in pixels
-ABOVE, BELOW = 68.0, 112.0  # what title and timeline take from the picture, in units
+TITLE_HEIGHT, TIMELINE_HEIGHT = 68.0, 112.0  # units of 1/96 inch
 
 
 def home_camera(clip: Clip, size: tuple[float, float], plot: float = 0.0) -> Camera:
-    """The whole plant in the part of a window that title, plot and timeline leave free.
+    """A camera that shows the whole plant between title and timeline.
 
-    size, plot: (width, height) of the window, and height of the plot, in units.
+    size, plot: (width, height) of the view, and height of the plot above the timeline, in units.
     """
-    (width, height), below = size, BELOW + plot
-    free = max(height - ABOVE - below, 0.3 * height)
+    (width, height), below = size, TIMELINE_HEIGHT + plot
+    free = max(height - TITLE_HEIGHT - below, 0.3 * height)
     camera = Camera.home(clip, width / free).zoom(free / height)
-    return camera.pan(0.0, (below - ABOVE) / 2 / height)
+    return camera.pan(0.0, (below - TITLE_HEIGHT) / 2 / height)
 
 
-def fitted(scene: Scene, size: tuple[float, float], plot: float = 0.0) -> Scene:
-    """The scene with the home cameras of a window, and its camera as it stood beside the last one.
+def with_fitted_cameras(scene: Scene, size: tuple[float, float], plot: float = 0.0) -> Scene:
+    """Fit the home cameras to the view's size, and move the scene's camera with them.
 
-    size, plot: as `home_camera` takes them, of what a plant has of the window.
+    size, plot: as for `home_camera`.
     """
     home, *rest = (home_camera(clip, size, plot) for clip in scene.clips)
-    other, flat = None, scene.camera.orthographic
+    second_home, orthographic = None, scene.camera.orthographic
     if rest:
-        home, other = paired_homes(scene.clips, (home, *rest))
-    camera = transferred(scene.camera, scene.home, home)
-    if scene.camera == scene.home.with_orthographic(flat):
-        camera = home.with_orthographic(flat)
-    return replace(scene, camera=camera, home=home, other_home=other)
+        home, second_home = paired_home_cameras(scene.clips, (home, *rest))
+    camera = transferred_camera(scene.camera, scene.home, home)
+    if scene.camera == scene.home.with_orthographic(orthographic):
+        camera = home.with_orthographic(orthographic)
+    return replace(scene, camera=camera, home=home, second_home=second_home)
 
 
 class Viewports:
-    """One renderer for each clip, in one context; others, made when first wanted, for values that
-    it wears as colours and for the last scan shown of those left out.
+    """Renderers of the panes of a window, which share an OpenGL context.
 
-    whole:   whether the last picture showed every mover.
-    loading: whether movers came to the GPU for it.
-    gpu_seconds: what the picture before it took on the GPU.
+    There is one renderer for each clip, one for its copy with the current values as colours, and
+    one for the held-out scan that was shown last; each is created on first use.
+
+    complete:    whether the last picture contained all movers.
+    loading:     whether movers were uploaded for the last picture.
+    gpu_seconds: GPU time of the last picture but one.
     """
 
     def __init__(self, context: moderngl.Context, clips: Sequence[Clip]) -> None:
@@ -64,69 +66,75 @@ class Viewports:
         self._renderers: dict[tuple[int, str, int | None], Renderer] = {}
         self._passes = Passes(context)
         self._pictures: dict[int, moderngl.Framebuffer] = {}
-        self._painted: tuple[Size, tuple[Pane, ...], Style, Detail] | None = None
-        self.whole = self.loading = True
+        self._drawn: tuple[Size, tuple[Pane, ...], Style, Detail] | None = None
+        self.complete = self.loading = True
         self.gpu_seconds = 0.0
 
-    def paint(
+    def draw(
         self, size: Size, panes: Sequence[Pane], style: Style, detail: Detail, budget: float | None
     ) -> None:
-        """Bring a picture of (width, height) pixels up to date.
+        """Draw the panes into their textures, unless they are up to date.
 
-        panes: what it shows, from left to right; detail: how much of it to draw.
-        budget: seconds that uploading may take; None waits for all of it.
+        size:   (width, height) of all panes in pixels.
+        panes:  from left to right.
+        budget: seconds for uploading movers; None uploads all of them.
         """
-        wanted = (size, tuple(panes), style, detail)
-        if wanted == self._painted and self.whole:
+        state = (size, tuple(panes), style, detail)
+        if state == self._drawn and self.complete:
             return
-        before, self.whole, self.gpu_seconds = self._loaded, True, 0.0
-        for number, pane in enumerate(panes):
-            whole, _ = _places(pane, size)
-            pixels = round(whole[2] * detail.pixels) or 1, round(whole[3] * detail.pixels) or 1
-            renderer, into = self._renderer(pane, style), self._framebuffer(number, pixels)
-            self.whole &= renderer.draw(
-                *(into, pane.day, pane.camera, style, pixels),
-                stride=detail.every,
+        loaded, self.complete, self.gpu_seconds = self._loaded, True, 0.0
+        for index, pane in enumerate(panes):
+            whole, _ = _rectangles(pane, size)
+            width, height = (round(side * detail.resolution) or 1 for side in whole[2:])
+            target = self._framebuffer(index, (width, height))
+            renderer = self._renderer(pane, style)
+            self.complete &= renderer.draw(
+                *(target, pane.day, pane.camera, style, (width, height)),
+                stride=detail.stride,
                 upload_budget=budget,
             )
             self.gpu_seconds += renderer.gpu_seconds
-        self.loading = budget is not None and before != self._loaded
-        self._painted = wanted
+        self.loading = budget is not None and loaded != self._loaded
+        self._drawn = state
 
     def organ_under(
-        self, scene: Scene, at: tuple[float, float], scale: float
+        self, scene: Scene, position: tuple[float, float], scale: float
     ) -> tuple[int | None, Place | None] | None:
-        """The track of the first clip's organ that is seen at a place of the picture, in units of
-        `scale` pixels from its top left corner, and where it was clicked; None over another clip.
+        """The organ of the first clip at a position of the last picture.
+
+        position: right and down from the top left corner, in units of `scale` pixels.
+        Returns the track and the point on the organ, both None beside the plant; returns None if
+        the position is in a pane of the second clip.
         """
-        assert self._painted
-        size, panes, style, _ = self._painted
-        x, y = at[0] * scale, at[1] * scale
+        assert self._drawn
+        size, panes, style, _ = self._drawn
+        x, y = position[0] * scale, position[1] * scale
         for pane in panes:
-            (left, _, width, height), seen = _places(pane, size)
-            if pane.clip == 0 and seen[0] <= x < seen[0] + seen[2]:
-                renderer, place, whole = self._renderer(pane, style), (x - left, y), (width, height)
-                track = renderer.organ_at(pane.day, pane.camera, style, place, whole)
+            (left, _, width, height), visible = _rectangles(pane, size)
+            if pane.clip == 0 and visible[0] <= x < visible[0] + visible[2]:
+                renderer, in_pane = self._renderer(pane, style), (x - left, y)
+                track = renderer.organ_at(pane.day, pane.camera, style, in_pane, (width, height))
                 if track is None:
                     return None, None
-                view = pane.camera, width / height, (2 * (x - left) / width - 1, 1 - 2 * y / height)
-                return track, organ_place(scene.clip, track, pane.day, view)
+                clip_position = 2 * (x - left) / width - 1, 1 - 2 * y / height
+                click = pane.camera, width / height, clip_position
+                return track, organ_place(scene.clip, track, pane.day, click)
         return None
 
     @property
     def timers(self) -> list[PassTimers]:
-        """Of the passes of all pictures so far."""
+        """Timers of all renderers."""
         return [renderer.timers for renderer in self._renderers.values()]
 
-    def show(self, screen: moderngl.Framebuffer) -> None:
-        """Put the picture on the screen, at its left."""
-        assert self._painted
-        size, panes, *_ = self._painted
+    def blit(self, screen: moderngl.Framebuffer) -> None:
+        """Copy the last picture to the left part of the screen."""
+        assert self._drawn
+        size, panes, *_ = self._drawn
         screen.use()
         self._context.enable_only(moderngl.NOTHING)
-        for number, pane in enumerate(panes):
-            screen.viewport, screen.scissor = _places(pane, size)
-            self._passes.fill("blit", **textures_of(self._pictures[number]))
+        for index, pane in enumerate(panes):
+            screen.viewport, screen.scissor = _rectangles(pane, size)
+            self._passes.run("blit", **textures_of(self._pictures[index]))
         screen.scissor = None  # type: ignore[assignment]
 
     def release(self) -> None:
@@ -138,34 +146,34 @@ class Viewports:
         return sum(renderer.loaded for renderer in self._renderers.values())
 
     def _renderer(self, pane: Pane, style: Style) -> Renderer:
-        """What wears values as colours, and scans that were left out, are clips of their own."""
+        """The renderer of a pane; values as colours and held-out scans are clips of their own."""
         mode, colors = ColorMode(style.color_by), self._colors[pane.clip]
-        painted = mode.painted and not mode.lacking(self._clips[pane.clip])
-        paint = f"{mode} {style.color_map} {style.field}" if painted else ""
-        key = (pane.clip, paint, pane.left_out)
+        has_values = mode.per_mover and not mode.why_unavailable(self._clips[pane.clip])
+        coloring = f"{mode} {style.color_map} {style.field}" if has_values else ""
+        key = (pane.clip, coloring, pane.held_out_index)
         if key not in self._renderers:
-            for number, worn, left_out in list(self._renderers):
-                replaced = pane.left_out is not None and left_out is not None
-                if replaced or (worn and worn != paint):
-                    self._renderers.pop((number, worn, left_out)).release()
-            clip = colors.clip_with_colors(style) if painted else self._clips[pane.clip]
-            if pane.left_out is not None:
-                clip = colors.left_out(pane.left_out, style)
+            for other in list(self._renderers):
+                _, other_coloring, held_out_index = other
+                replaced = pane.held_out_index is not None and held_out_index is not None
+                if replaced or (other_coloring and other_coloring != coloring):
+                    self._renderers.pop(other).release()
+            clip = colors.clip_with_colors(style) if has_values else self._clips[pane.clip]
+            if pane.held_out_index is not None:
+                clip = colors.held_out_clip(pane.held_out_index, style)
             self._renderers[key] = Renderer(self._context, clip)
         return self._renderers[key]
 
-    def _framebuffer(self, number: int, size: Size) -> moderngl.Framebuffer:
-        """What a pane is drawn into; the last one is given up where its size differs."""
-        if number not in self._pictures or self._pictures[number].size != size:
-            self._pictures.pop(number, None)
-            self._pictures[number] = framebuffer(
-                self._context, size, picture=(4, "f1"), linear=True
-            )
-        return self._pictures[number]
+    def _framebuffer(self, index: int, size: Size) -> moderngl.Framebuffer:
+        """The framebuffer of a pane; it is replaced if the size has changed."""
+        if index not in self._pictures or self._pictures[index].size != size:
+            self._pictures.pop(index, None)
+            created = framebuffer(self._context, size, picture=(4, "f1"), linear=True)
+            self._pictures[index] = created
+        return self._pictures[index]
 
 
-def _places(pane: Pane, size: Size) -> tuple[tuple[int, int, int, int], ...]:
-    """Left, bottom, width and height of a pane's picture in the window, and of the part seen."""
+def _rectangles(pane: Pane, size: Size) -> tuple[tuple[int, int, int, int], ...]:
+    """(left, bottom, width, height) of a pane's picture in pixels, and of its visible part."""
     left, right = round(pane.left * size[0]), round(pane.right * size[0])
-    seen = (left, 0, right - left, size[1])
-    return (seen if pane.own else (0, 0, *size)), seen
+    visible = (left, 0, right - left, size[1])
+    return (visible if pane.is_whole else (0, 0, *size)), visible

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from player.ui import panel, widgets
-from player.ui.gui import NOWHERE, Gui
+from player.ui.gui import OUTSIDE_WINDOW, Gui
 from player.ui.interface import Interface
 from player.ui.timeline import Line
 from player.view.camera import Camera
@@ -133,7 +133,7 @@ class Desk:
         return self.draw(2)
 
     def leave(self) -> None:
-        self.point(NOWHERE)
+        self.point(OUTSIDE_WINDOW)
 
     def click(self, at: str | tuple[float, float], button: str = "left") -> Scene:
         """Press and release; both may come before the next picture."""

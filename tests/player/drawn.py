@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from player.rendering.renderer import Renderer
-from player.view.camera import Camera, triple
+from player.view.camera import Camera, as_tuple
 from player.view.style import Style
 from player.window.viewports import Viewports
 
@@ -25,7 +25,7 @@ def fitted(bounds: Sequence[NDArray[np.floating]], up: str = "z", aspect: float 
     corners = np.array(bounds, float)
     middle = corners.mean(axis=0)
     radius = max(float(np.linalg.norm(corners[0] - middle)), 1e-6)
-    return Camera(triple(middle), up=up, radius=radius).fitted_to_turns(corners, aspect)
+    return Camera(as_tuple(middle), up=up, radius=radius).fitted_to_turns(corners, aspect)
 
 
 def camera_at(clip: Clip, size: tuple[int, int], yaw: float, pitch: float) -> Camera:
@@ -45,7 +45,7 @@ def window_pixels(
 ) -> Picture:
     """(height, width, 3) int, bottom row first: what a window shows of plants."""
     framebuffer = context.simple_framebuffer(size, 3)
-    viewports.show(framebuffer)
+    viewports.blit(framebuffer)
     return read_pixels(framebuffer)
 
 

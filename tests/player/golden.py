@@ -155,8 +155,8 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
         stage, gui = Viewports(context, [clip]), Gui()
         interface = Interface(gui, clip, plant)
         for _ in range(3):  # a panel learns its sizes as it is drawn
-            stage.paint(size, panes, style, Detail(), None)
-            stage.show(screen)
+            stage.draw(size, panes, style, Detail(), None)
+            stage.blit(screen)
             interface.draw(screen, shown, WINDOW, DENSITY, panes)
         pixels = read_pixels(screen)[::-1].astype(np.uint8)
         interface.organs.release()
@@ -175,7 +175,7 @@ def _closer(camera: Camera) -> Camera:
 TRACK = Style(color_by="track")
 FINE, COARSE = Style(point_size=0.3), Style(point_size=1.5)
 LEGEND = Annotations(legend=True)
-DATE_AND_SCALE = Annotations(date=True, scale=True)
+DATE_AND_SCALE = Annotations(date=True, scale_bar=True)
 
 LOOSE = ("splats", "light", "tracks", "age", "speed", "height", "window", "wipe")
 GOLDEN = tuple(

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.evaluate import layers_at
-from player.rendering.point_buffers import whole
-from player.rendering.point_cloud import POINTS_EACH, WORKGROUP, PointCloud
+from player.rendering.point_buffers import full_ranges
+from player.rendering.point_cloud import POINTS_PER_INVOCATION, WORKGROUP, PointCloud
 from shaders import with_header, with_includes
 
 
@@ -39,18 +39,18 @@ def gpu_positions(
     points, parts = PointCloud(context, clip, memory), [np.zeros((0, 3), np.float32)]
     given = {"COMPUTED": 1} if computed else {}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("player.rendering.point_cloud.program", _program)
-        ranges = whole(layers_at(clip, day), stride)
+        patch.setattr("player.rendering.point_cloud.compile_program", _program)
+        ranges = full_ranges(layers_at(clip, day), stride)
         for shader, _, buffers, count in points._chunks("positions", ranges, {}, **given):
             some = -(-count // stride)
             result = context.buffer(reserve=12 * max(some, 1))
             if computed:
                 buffers.bind()
                 result.bind_to_storage_buffer(7)
-                shader.run(-(-count // (POINTS_EACH * WORKGROUP)))
+                shader.run(-(-count // (POINTS_PER_INVOCATION * WORKGROUP)))
                 context.memory_barrier()
             else:
-                array = buffers.array(shader, points._every(stride))
+                array = buffers.array(shader, points._strided_indices(stride))
                 array.transform(result, vertices=some)
             parts.append(np.frombuffer(result.read(12 * some), np.float32).reshape(-1, 3))
     return np.concatenate(parts)

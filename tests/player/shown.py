@@ -41,7 +41,7 @@ def tell(scene):
         "flat": c.orthographic, "at_home": c == scene.home, "home": scene.home.distance,
         "ground": s.ground, "point_size": s.point_size, "color_by": scene.color_mode,
         "picked": s.picked, "second": s.second,
-        "hidden": sorted(s.hidden), "alone": s.alone,
+        "hidden": sorted(s.hidden), "alone": s.isolated,
         "floor": s.show_ground, "compare": scene.compare.value, "wipe": scene.wipe,
         "keys": len(scene.path.keys), "following": scene.following, "turning": scene.turning,
         "panel": scene.panel, "help": scene.help, "notice": scene.notice,
@@ -53,7 +53,7 @@ def tell(scene):
 if __name__ == "__main__":
     width, height = map(int, sys.argv[1:3])
     changes, files = json.loads(sys.argv[3]), sys.argv[4:]
-    clips = [OpenClip.of(Path(file)) for file in files]
+    clips = [OpenClip.from_file(Path(file)) for file in files]
     show(clips, size=(width, height), watch=tell, changes=changes)
 """
 

@@ -193,9 +193,10 @@ def test_the_window_writes_any_name(make_clip: ClipMaker, nasty: str) -> None:
 
 
 def test_files_are_named_after_nothing_in_a_clip(tmp_path: Path, nasty: str) -> None:
-    from player.output_names import free_name
+    from player.output_names import unused_path
 
-    for path in (free_name(nasty, "film.mp4", tmp_path), free_name(nasty, "a/%04d.png", tmp_path)):
+    for output in ("film.mp4", "a/%04d.png"):
+        path = unused_path(nasty, output, tmp_path)
         assert tmp_path in path.parents
         assert ".." not in path.parts
         assert str(path).isprintable()

@@ -45,16 +45,16 @@ def told(clip: Clip, path: Path) -> None:
 def loaded(clip: Clip) -> None:
     """What the window needs before its first picture."""
 
-    from player.rendering.point_buffers import PointBuffers, bytes_per_point, whole
+    from player.rendering.point_buffers import PointBuffers, bytes_per_point, full_ranges
     from player.rendering.splat_radius import ClosingDistances
-    from player.ui.timeline import Line, labels_on
+    from player.ui.timeline import Line, fitting_labels
     from player.view.camera import Camera
     from player.view.camera_animation import CameraPath
     from player.view.colors import Colors
-    from player.view.dates import date_at, elapsed, short_dates
     from player.view.playback import Timeline
     from player.view.style import Style
     from player.window.viewports import home_camera
+    from traits.dates import date_at, elapsed, short_dates
 
     dates = [scan.date for scan in clip.scans]
     home = Camera.home(clip, ASPECT)
@@ -66,7 +66,7 @@ def loaded(clip: Clip) -> None:
         assert np.isfinite(closing.at(day))
         assert date_at(clip.scans, day) is not None
         elapsed(clip.scans, day, clip.time_unit)
-        for drawn in whole(layers_at(clip, day)):
+        for drawn in full_ranges(layers_at(clip, day)):
             list(buffers.chunks(drawn))
         CameraPath().with_key(day, home)
     for name in ("scan", "track", "age", "speed", "height"):
@@ -80,7 +80,7 @@ def loaded(clip: Clip) -> None:
     assert np.isfinite(timeline.day)
     line = Line(50.0, 1100.0, 650.0, tuple(clip.times))
     for texts in (dates, short_dates(dates)):
-        labels_on(line, texts, (8.0, 1270.0), len)
+        fitting_labels(line, texts, (8.0, 1270.0), len)
 
 
 def exported(clip: Clip, suffix: str) -> None:

@@ -1,1 +1,1 @@
-"""Exports a clip as one HTML page that plays it."""
+"""Export of a clip as an HTML page with a WebGL player."""

@@ -1,22 +1,22 @@
-// The clip: what is visible when (the same rules as docs/format.md), and its movers' numbers.
+// The clip: which movers are visible at a time (docs/format.md), and decompression of their data.
 
 const LITTER_FADE = 0.15;  // share of the following interval during which fallen organs fade
-const PIECE = 1 << 19;  // characters unpacked in one go, in fours
+const PIECE = 1 << 19;  // characters decoded at once, a multiple of 4
 
 class Clip {
     constructor(about) {
         Object.assign(this, about);
     }
 
-    // The interval that a time falls into and the share of it that has passed, 0 to 1.
+    // The index of the interval at a time, and the share of it that has passed, from 0 to 1.
     locate(day) {
         const index = Math.max(this.intervals.findLastIndex(({ start }) => start <= day), 0);
         const { start, end } = this.intervals[index];
         return [index, Math.min(Math.max((day - start) / (end - start), 0), 1)];
     }
 
-    // What is visible at a time: runs of points, where on their paths they are, the share of the
-    // end's colour that they have, and their opacity.
+    // The visible layers at a time: groups of movers, the parameter on their curves, the weight of their
+    // end colours (blend), and their opacity (alpha).
     layersAt(day) {
         const [interval, share] = this.locate(day);
         const opacity = { move: 1, fall: 1, fade: 1 - share, remove: share === 0 ? 1 : 0 };
@@ -31,54 +31,54 @@ class Clip {
         return [...layers, ...litter].filter(({ alpha }) => alpha > 0);
     }
 
-    // A number that stands at each scan, in between.
-    between(values, day) {
+    // Interpolate values at the scans linearly.
+    interpolate(values, day) {
         const [index, share] = this.locate(day);
         return (1 - share) * values[index] + share * values[index + 1];
     }
 
-    // What a moment is called, and the time since the first scan.
-    namesOf(day) {
+    // The date of a time and the time since the first scan, as text.
+    dateOf(day) {
         return this.moments.findLast(([time]) => time <= day).slice(1);
     }
 
-    // The columns of one interval: points (start, controls..., end), tracks, colors and normals.
-    // Unpacked piece by piece, so that the page answers meanwhile.
+    // Decode the data of an interval: points (start, controls..., end), tracks, colors and normals.
+    // It is decoded in pieces, so that the page stays responsive.
     async load(index) {
         const text = document.getElementById(`interval-${index}`).textContent.trim(), parts = [];
-        for (let at = 0; at < text.length; at += PIECE) {
-            const piece = atob(text.slice(at, at + PIECE)), bytes = new Uint8Array(piece.length);
+        for (let start = 0; start < text.length; start += PIECE) {
+            const piece = atob(text.slice(start, start + PIECE)), bytes = new Uint8Array(piece.length);
             for (let i = 0; i < piece.length; ++i) bytes[i] = piece.charCodeAt(i);
             parts.push(bytes);
-            await nextTurn();
+            await nextTask();
         }
         const stream = new Blob(parts).stream().pipeThrough(new DecompressionStream("deflate"));
         const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
-        return unpack(bytes, this.intervals[index]);
+        return decode(bytes, this.intervals[index]);
     }
 }
 
-// Lets the page answer what has happened meanwhile.
-const nextTurn = () => new Promise((done) => setTimeout(done));
+// Lets the browser handle pending events.
+const nextTask = () => new Promise((done) => setTimeout(done));
 
-// Undo what encode.py did: each number is the difference to the mover before it, byte by byte, with
-// its sign in the lowest bit; and each column of a sequence, the difference to the one before.
-async function unpack(bytes, { count, degree, track_bytes, colored, aligned }) {
-    let at = 0;
-    async function sequence(Numbers, sides, length) {
+// Inverse of encode.py: byte planes contain zigzag-coded differences to the previous mover, and the
+// columns of a sequence, such as control points, are differences to the previous column.
+async function decode(bytes, { count, degree, track_bytes, colored, aligned }) {
+    let position = 0;
+    async function sequence(Numbers, components, length) {
         const width = Numbers.BYTES_PER_ELEMENT, columns = [];
         while (columns.length < length) {
-            const values = new Numbers(columns.at(-1) || sides * count);
-            for (let side = 0; side < sides; ++side) {
+            const values = new Numbers(columns.at(-1) || components * count);
+            for (let component = 0; component < components; ++component) {
                 for (let i = 0, sum = 0; i < count; ++i) {
                     let zigzag = 0;
                     for (let byte = 0; byte < width; ++byte) {
-                        zigzag |= bytes[at + byte * count + i] << (8 * byte);
+                        zigzag |= bytes[position + byte * count + i] << (8 * byte);
                     }
-                    values[sides * i + side] += sum += (zigzag >>> 1) ^ -(zigzag & 1);
+                    values[components * i + component] += sum += (zigzag >>> 1) ^ -(zigzag & 1);
                 }
-                at += width * count;
-                await nextTurn();
+                position += width * count;
+                await nextTask();
             }
             columns.push(values);
         }

@@ -1,7 +1,7 @@
-"""An interval's movers as few bytes, for the page that `web/clip.js` unpacks.
+"""Compression of an interval's movers for web pages; `web/clip.js` decompresses them.
 
 Neighbours in a clip's buffers are neighbours on the plant, so differences between them are small.
-Byte by byte, all of one buffer's low bytes together, they deflate well.
+They are stored as byte planes (first all low bytes, then all high bytes), which deflate well.
 """
 
 import zlib
@@ -13,25 +13,24 @@ from numpy.typing import NDArray
 
 from gclip import Interval
 
-FINE = 1 / 32  # largest step of the positions, as a share of the point spacing, where 16 bits allow
-LEVELS = 65535
+STEP_SHARE = 1 / 32  # smallest step of quantised positions, as a share of the point spacing
+MAX_LEVEL = 65535
 
 
 def pack(interval: Interval, spacing: float) -> tuple[bytes, dict[str, Any]]:
-    """Quantise and compress one interval's movers; they keep their order.
+    """Quantise and compress the movers of an interval, in their order.
 
-    Returns the bytes, deflated, and what `web/clip.js` knows of them: position = low + step ×
-    number, the bytes of a track's number, and whether there are colours and normals.
-    Positions move by 1/64 of the clip's point spacing at most along each axis, or by 1/131070 of
-    the interval's side where that is more.
+    Positions change along each axis by at most 1/64 of the point spacing, or by 1/131070 of the
+    interval's extent if that is more. Returns deflated byte planes, and their layout for
+    `web/clip.js`: position = low + step × level, and what is stored for each mover.
     """
     curve, low, step = _quantised(interval, spacing)
-    steps = np.diff(curve, axis=0, prepend=np.zeros_like(curve[:1]))
-    parts = [_planes(points.astype(np.uint16)) for points in steps]
+    differences = np.diff(curve, axis=0, prepend=np.zeros_like(curve[:1]))
+    parts = [_planes(points.astype(np.uint16)) for points in differences]
     parts.append(_planes(np.asarray(interval.tracks)[:, None]))
     if interval.start_colors is not None and interval.end_colors is not None:
-        paint, last = interval.start_colors[:, :3], interval.end_colors[:, :3]
-        parts += [_planes(paint), _planes(last - paint)]
+        start, end = interval.start_colors[:, :3], interval.end_colors[:, :3]
+        parts += [_planes(start), _planes(end - start)]
     if interval.normals is not None:
         parts.append(_planes(interval.normals))
     layout = {
@@ -52,23 +51,24 @@ def pack(interval: Interval, spacing: float) -> tuple[bytes, dict[str, Any]]:
 def _quantised(
     interval: Interval, spacing: float
 ) -> tuple[list[NDArray[np.int32]], NDArray[np.float64], NDArray[np.float64]]:
-    """The curve's points as whole steps from 0 to 65535 above the lowest corner."""
+    """Control points as levels from 0 to 65535, and the offset and step of the levels."""
     box = interval.box
     low = np.min([p.min(axis=0) for p in interval.curve], axis=0).astype(np.float64)
     high = np.max([p.max(axis=0) for p in interval.curve], axis=0).astype(np.float64)
     unit, origin = (np.ones(3), np.zeros(3)) if box is None else (box.step, np.asarray(box.low))
-    step = np.maximum((high - low) * unit / LEVELS, FINE * spacing)
+    step = np.maximum((high - low) * unit / MAX_LEVEL, STEP_SHARE * spacing)
     step = np.where(step > 0, step, 1.0)
     levels = [np.round((p - low) * unit / step).astype(np.int32) for p in interval.curve]
     return levels, origin + unit * low, step
 
 
 def _planes(values: NDArray[Any]) -> bytes:
-    """What each row of (N, k) unsigned numbers adds to the one before it: column by column, all
-    low bytes first. Differences wrap round, and their sign is kept in the lowest bit (zigzag).
+    """Encode (N, k) unsigned integers as byte planes of differences between rows.
+
+    Differences wrap around, and are zigzag-coded: the lowest bit holds the sign.
     """
-    steps = np.diff(values, axis=0, prepend=np.zeros_like(values[:1]))
-    signed = steps.view(f"i{steps.itemsize}")
-    zigzag = np.ascontiguousarray(((signed << 1) ^ (signed >> (8 * steps.itemsize - 1))).T)
-    planes = zigzag.view(np.uint8).reshape(len(zigzag), -1, steps.itemsize)
+    differences = np.diff(values, axis=0, prepend=np.zeros_like(values[:1]))
+    signed = differences.view(f"i{differences.itemsize}")
+    zigzag = np.ascontiguousarray(((signed << 1) ^ (signed >> (8 * differences.itemsize - 1))).T)
+    planes = zigzag.view(np.uint8).reshape(len(zigzag), -1, differences.itemsize)
     return planes.transpose(0, 2, 1).tobytes()

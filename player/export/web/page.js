@@ -1,13 +1,13 @@
-// The page: puts clip, clock, camera and renderer together and lets people touch them.
+// The page: connects clip, clock, camera and renderer with the controls.
 
-// While things move, at each level 0.8 times the picture's width and height, and half of the points
-// as long as FEWEST are left.
-const LEVELS = 5, FEWEST = 60000;
-const SLOW = 45, FAST = 22;  // milliseconds a picture at which less, or more, is drawn
-const SUPERSAMPLED = 1.5e6;  // pixels up to which each has four samples at rest
-const SNAP = 5;  // pixels about a scan's mark within which the timeline goes to the scan
-const COVERED = 130;  // pixels of the page's foot, that the plant is kept clear of
-const PLOTTED = 70;  // as many more where the trait of an organ is plotted
+// Levels of detail while the view moves: each scales width and height of the picture by 0.8, and
+// halves the points as long as MIN_POINTS are left.
+const LEVELS = 5, MIN_POINTS = 60000;
+const SLOW = 45, FAST = 22;  // milliseconds per frame above or below which the level changes
+const MAX_SUPERSAMPLED = 1.5e6;  // pixels of the largest picture with four samples per pixel
+const SNAP_PX = 5;  // distance from a scan's mark within which the timeline snaps to the scan
+const CONTROLS_HEIGHT = 130;  // pixels at the bottom of the page that the plant must not cover
+const PLOT_HEIGHT = 70;  // additional pixels if a trait is plotted
 
 const byId = (id) => document.getElementById(id);
 
@@ -15,18 +15,18 @@ function start(about, shaders) {
     const clip = new Clip(about), canvas = byId("picture");
     const renderer = new Renderer(canvas, clip, shaders);
     const clock = new Clock(clip.times), camera = new Camera(clip.home, clip.axes);
-    const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, chosen: -1, trait: clip.plotted[0] };
-    const state = { dirty: true, moved: 0, turning: clip.look.turning, fitted: true, level: 0, pace: 0 };
+    const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, selected: -1, trait: clip.plotted[0] };
+    const state = { dirty: true, moved: 0, turning: clip.look.turning, fitted: true, level: 0, trend: 0 };
     const move = () => { state.fitted = false; state.moved = performance.now(); };
 
-    // Share of the picture's height that the plant has.
-    function free() {
-        const covered = COVERED + (byId("curve").hidden ? 0 : PLOTTED);
+    // Share of the picture's height that the controls leave to the plant.
+    function freeShare() {
+        const covered = CONTROLS_HEIGHT + (byId("curve").hidden ? 0 : PLOT_HEIGHT);
         return Math.max(1 - covered / canvas.clientHeight, 0.4);
     }
 
     function fit() {
-        camera.fit(canvas.clientWidth / canvas.clientHeight, free());
+        camera.fit(canvas.clientWidth / canvas.clientHeight, freeShare());
         state.fitted = true;
     }
 
@@ -39,7 +39,7 @@ function start(about, shaders) {
         color: () => { look.byTrack = !clip.colored || !look.byTrack; },
         ground: () => { look.light = !look.light; },
         organs: () => byId("organs").toggleAttribute("hidden"),
-        choose: (track) => { look.chosen = look.chosen === track ? -1 : track; },
+        choose: (track) => { look.selected = look.selected === track ? -1 : track; },
         trait: () => {
             look.trait = clip.plotted[(clip.plotted.indexOf(look.trait) + 1) % clip.plotted.length];
         },
@@ -62,25 +62,25 @@ function start(about, shaders) {
         document.querySelector('[data-do="color"]').classList.toggle("on", look.byTrack);
         byId("scale")?.toggleAttribute("hidden", look.byTrack);
         document.querySelectorAll("#organs button").forEach((button) =>
-            button.classList.toggle("on", Number(button.dataset.track) === look.chosen));
+            button.classList.toggle("on", Number(button.dataset.track) === look.selected));
         plot();
     }
 
-    // A trait or mean field of the chosen organ over the timeline, whose days it shares.
+    // Plot a trait or mean field of the selected organ above the timeline, on the same time axis.
     function plot() {
-        const [label, curve] = clip.curves[`${look.chosen} ${look.trait}`] || [];
-        const before = free();
+        const [label, curve] = clip.curves[`${look.selected} ${look.trait}`] || [];
+        const before = freeShare();
         byId("curve").hidden = !curve;
-        camera.zoom(free() / before, 0, 0.5);
+        camera.zoom(freeShare() / before, 0, 0.5);
         if (!curve) return;
-        const [place, , name] = byId("curve").children;
-        place.innerHTML = curve;
-        name.textContent = label;
+        const [figure, , caption] = byId("curve").children;
+        figure.innerHTML = curve;
+        caption.textContent = label;
     }
 
-    // Where the clock stands, in words and on the timeline.
-    function tell() {
-        const [date, elapsed] = clip.namesOf(clock.day);
+    // Show the current day as text and on the timeline.
+    function showDay() {
+        const [date, elapsed] = clip.dateOf(clock.day);
         byId("time").value = clock.day;
         byId("time").setAttribute("aria-valuetext", date);
         byId("date").textContent = date;
@@ -89,49 +89,49 @@ function start(about, shaders) {
         byId("elapsed").textContent = elapsed;
     }
 
-    // At a level of LEVELS; at rest everything is drawn, with four samples where that is quick.
-    function draw(level, rest = true) {
+    // Draw at a level of detail; at rest with four samples per pixel if the machine is fast enough.
+    function draw(level, atRest = true) {
         const scale = 0.8 ** level * Math.min(window.devicePixelRatio || 1, 2);
         const [width, height] = [canvas.clientWidth, canvas.clientHeight].map(
             (length) => Math.max(Math.round(length * scale), 1));
         if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-        const samples = rest && state.level === 0 && width * height < SUPERSAMPLED ? 2 : 1;
-        const every = Math.min(2 ** level, renderer.thinned(clock.day, FEWEST));
-        renderer.draw(clock.day, camera, look, { every, samples });
+        const samples = atRest && state.level === 0 && width * height < MAX_SUPERSAMPLED ? 2 : 1;
+        const stride = Math.min(2 ** level, renderer.maxStride(clock.day, MIN_POINTS));
+        renderer.draw(clock.day, camera, look, { stride, samples });
         state.dirty = false;
     }
 
-    // Fewer pixels and points while things move on a slow machine; all of them at rest.
+    // Adapt the level of detail to the duration of a frame while the view moves.
     function adapt(milliseconds) {
-        state.pace += milliseconds > SLOW ? 1 : milliseconds < FAST ? -0.2 : 0;
-        if (Math.abs(state.pace - 1) < 1.5) return;
-        const steps = state.pace > 0 ? Math.max(Math.round(Math.log2(milliseconds / SLOW)), 1) : -1;
+        state.trend += milliseconds > SLOW ? 1 : milliseconds < FAST ? -0.2 : 0;
+        if (Math.abs(state.trend - 1) < 1.5) return;
+        const steps = state.trend > 0 ? Math.max(Math.round(Math.log2(milliseconds / SLOW)), 1) : -1;
         state.level = clamped(state.level + steps, 0, LEVELS - 1);
-        state.pace = 0;
+        state.trend = 0;
     }
 
-    let before = performance.now(), lively = false;
+    let before = performance.now(), wasMoving = false;
     function frame(now) {
         requestAnimationFrame(frame);
         const passed = Math.min(now - before, 250), [needed] = clip.locate(clock.day);
         before = now;
-        byId("waiting").hidden = renderer.ready(needed);
-        if (!renderer.ready(needed)) return;
-        for (const near of [needed + 1, needed - 1]) if (clip.intervals[near]) renderer.ready(near);
+        byId("waiting").hidden = renderer.isReady(needed);
+        if (!renderer.isReady(needed)) return;
+        for (const near of [needed + 1, needed - 1]) if (clip.intervals[near]) renderer.isReady(near);
         const moving = clock.playing || state.turning || now - state.moved < 200;
         if (state.turning) camera.orbit((0.35 * passed) / 1000, 0);
-        if (moving && lively) adapt(passed);
-        if (moving || state.dirty || lively) {
+        if (moving && wasMoving) adapt(passed);
+        if (moving || state.dirty || wasMoving) {
             draw(moving ? state.level : 0, !moving);
-            tell();
+            showDay();
         }
-        lively = moving;
+        wasMoving = moving;
         if (clock.playing) clock.tick(passed / 1000);
     }
 
     byId("time").addEventListener("input", ({ target: time }) => {
-        const close = (SNAP * (clock.last - clock.first)) / time.clientWidth;
-        act("go", clip.times.find((scan) => Math.abs(scan - time.value) < close) ?? Number(time.value));
+        const tolerance = (SNAP_PX * (clock.last - clock.first)) / time.clientWidth;
+        act("go", clip.times.find((scan) => Math.abs(scan - time.value) < tolerance) ?? Number(time.value));
     });
     listen(canvas, camera, act, move);
     new ResizeObserver(() => act(state.fitted ? "fit" : "go", clock.day)).observe(canvas);
@@ -147,10 +147,10 @@ function start(about, shaders) {
             clock.playing = false;
             clock.go(day);
             const [index] = clip.locate(day);
-            for (const k of [index, index - 1]) while (k >= 0 && !renderer.ready(k)) await nextTurn();
+            for (const k of [index, index - 1]) while (k >= 0 && !renderer.isReady(k)) await nextTask();
             act("leave");
             draw(0);
-            tell();
+            showDay();
         },
     };
 }
@@ -161,28 +161,28 @@ const KEYS = {
     ArrowLeft: ["nudge", -0.01], ArrowRight: ["nudge", 0.01], PageUp: ["step", -1], PageDown: ["step", 1],
 };
 
-// One pointer turns the plant; with shift, another button or two fingers it is moved and zoomed.
+// Register input events. One pointer turns the plant; Shift, other buttons or two fingers shift it.
 function listen(canvas, camera, act, move) {
-    const pointers = new Map();  // those pressed: picture heights from the middle of the canvas
-    const place = ({ clientX, clientY }) => [
+    const pointers = new Map();  // positions of pressed pointers, in picture heights from the centre
+    const position = ({ clientX, clientY }) => [
         (clientX - canvas.clientWidth / 2) / canvas.clientHeight, 0.5 - clientY / canvas.clientHeight];
-    const gesture = () => {  // the middle of the first two pointers, and their distance
+    const gesture = () => {  // midpoint and distance of the first two pointers
         const [[x, y], [u, v] = [x, y]] = pointers.values();
         return [(x + u) / 2, (y + v) / 2, Math.hypot(x - u, y - v)];
     };
     canvas.addEventListener("pointerdown", (event) => {
         canvas.setPointerCapture(event.pointerId);
-        pointers.set(event.pointerId, place(event));
+        pointers.set(event.pointerId, position(event));
         canvas.focus({ preventScroll: true });
     });
     canvas.addEventListener("pointermove", (event) => {
         if (!pointers.has(event.pointerId)) return;
-        const [u, v, apart] = gesture();
-        pointers.set(event.pointerId, place(event));
-        const [x, y, wide] = gesture();
+        const [u, v, oldDistance] = gesture();
+        pointers.set(event.pointerId, position(event));
+        const [x, y, distance] = gesture();
         if (pointers.size > 1 || event.shiftKey || event.buttons & 6) camera.pan(x - u, y - v);
         else camera.orbit(Math.PI * (u - x), Math.PI * (v - y));
-        if (apart > 0 && wide > 0) camera.zoom(wide / apart, x, y);
+        if (oldDistance > 0 && distance > 0) camera.zoom(distance / oldDistance, x, y);
         move();
     });
     canvas.addEventListener("lostpointercapture", (event) => pointers.delete(event.pointerId));
@@ -191,7 +191,7 @@ function listen(canvas, camera, act, move) {
     canvas.addEventListener("wheel", (event) => {
         event.preventDefault();
         const notches = clamped(event.deltaY / (event.deltaMode === 1 ? 3 : 100), -5, 5);
-        camera.zoom(1.12 ** -notches, ...place(event));
+        camera.zoom(1.12 ** -notches, ...position(event));
         move();
     }, { passive: false });
     document.addEventListener("keydown", (event) => {
@@ -206,17 +206,17 @@ function listen(canvas, camera, act, move) {
         button.addEventListener("click", () => act(button.dataset.do, Number(button.dataset.track))));
 }
 
-function complain(error) {
+function showError(error) {
     byId("waiting").hidden = true;
     byId("trouble").hidden = false;
     byId("trouble").textContent = error.message || String(error);
 }
 
-window.addEventListener("error", (event) => complain(event.error));
-window.addEventListener("unhandledrejection", (event) => complain(event.reason));
+window.addEventListener("error", (event) => showError(event.error));
+window.addEventListener("unhandledrejection", (event) => showError(event.reason));
 if (typeof DecompressionStream === "undefined") {
     throw new Error("This browser is too old to unpack the plant; one from 2023 or later can.");
 }
-// The page first: a graphics driver may take a while to begin.
+// Show the page first, because the graphics driver may take a while to start.
 requestAnimationFrame(() => setTimeout(() =>
     start(...["clip", "shaders"].map((id) => JSON.parse(byId(id).textContent)))));

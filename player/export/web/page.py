@@ -1,4 +1,4 @@
-"""One HTML file that shows the growing plant: no server, no other file, nothing from outside."""
+"""Export of a clip as one HTML file that needs no server and no other files."""
 
 import base64
 from collections.abc import Iterator, Sequence
@@ -18,15 +18,15 @@ from gclip.evaluate import newborn, srgb_to_linear
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.export.web.encode import pack
-from player.rendering.ground import CONTACT_REACH, SHADOW_POINTS, SIDE, floor_square
+from player.rendering.ground import CONTACT_HEIGHT, SHADOW_POINTS, SHADOW_SIZE, floor_square
 from player.rendering.renderer import MIN_POINT_PX, scene_radius, splat_shape
 from player.rendering.shading import DEPTH_CUE
 from player.rendering.splat_radius import ClosingDistances
-from player.view.camera import MARGIN, Camera, axes, outline
+from player.view.camera import FITTED_SHARE, Camera, axes, sampled_positions
 from player.view.colors import Colors, format_number
-from player.view.dates import date_at, elapsed, short_dates
 from player.view.style import GROUNDS, ColorMode
 from traits.curves import curve_svg, plotted, trait_curves
+from traits.dates import date_at, elapsed, short_dates
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
@@ -35,46 +35,47 @@ SHADERS = (
     "splat_covered.frag",
     *("bilateral.frag", "shade.frag", "blur.frag", "picture.frag"),
 )
-MOMENTS = 1000  # at which the page may change what it calls the day
-ROOM = 8.0  # per cent of the timeline that a scan's date needs
-MAX_ORGANS = 2000  # that are listed
-MAX_CURVES = 100  # organs whose traits are plotted
-FRAME_HEIGHT = 540  # pixels of a notebook's frame
-LARGEST = 1 << 29  # characters of one interval: browsers hold no longer strings
+DATE_STEPS = 1000  # times of the series for which the displayed date is computed
+MIN_DATE_DISTANCE = 8.0  # between scans whose dates fit side by side, in % of the timeline
+MAX_ORGANS = 2000  # number of organs that are listed
+MAX_CURVES = 100  # number of organs whose traits are plotted
+FRAME_HEIGHT = 540  # pixels of a frame in a notebook
+MAX_STRING = 1 << 29  # characters of an encoded interval, the limit of strings in browsers
 
 
 def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
-    """Write the page; it opens with the film's look. Raises PlayerError where it can't be."""
+    """Write the page in the film's style. Raises PlayerError if an interval is too large."""
     with path.open("w", encoding="utf-8", newline="\n") as file:
         file.writelines(_page(clip, film, progress))
 
 
 def iframe(clip: Clip, height: int = FRAME_HEIGHT) -> str:
-    """The page that plays a clip, as the HTML of a frame that needs nothing from outside.
+    """Embed the page of a clip in an HTML frame, for notebooks.
 
     Parameters
     ----------
     clip : gclip.Clip
     height : int
-        Of the frame, in pixels; it is as wide as the notebook.
+        Of the frame in pixels; its width is that of the notebook.
 
     Returns
     -------
     str
+        An ``<iframe>`` element that needs no other files.
     """
     page = escape("".join(_page(clip, Film(name="plant"), lambda done, total: None)))
     return f'<iframe srcdoc="{page}" width="100%" height="{height}" style="border: 0"></iframe>'
 
 
 def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
-    """The page's text, piece by piece."""
+    """Generate the text of the page."""
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     packed, total = [], len(clip.intervals)
     progress(0, total)
     for done, interval in enumerate(clip.intervals, start=1):
         packed.append(pack(interval, clip.spacing))
-        if 4 * len(packed[-1][0]) > 3 * LARGEST:
+        if 4 * len(packed[-1][0]) > 3 * MAX_STRING:
             raise PlayerError(f"interval {done} is too large for a page; bake with --voxel SIZE.")
         progress(done, total)
     environment = Environment(
@@ -87,14 +88,14 @@ def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
     environment.filters["css"] = _css
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     first, last = clip.times[0], clip.times[-1]
-    places = [100.0 * (time - first) / (last - first) for time in clip.times]
-    painted = film.style.color_mode(clip).painted
+    positions = [100.0 * (time - first) / (last - first) for time in clip.times]
+    has_values = film.style.color_mode(clip).per_mover
     yield from environment.get_template("page.html").generate(
         clip=clip,
         film=film,
-        scale=Colors(clip).color_scale(film.style) if painted else None,
-        marks=zip(places, short_dates([scan.date for scan in clip.scans]), strict=True),
-        crowded=min(after - before for before, after in pairwise(places)) < ROOM,
+        scale=Colors(clip).value_range(film.style) if has_values else None,
+        marks=zip(positions, short_dates([scan.date for scan in clip.scans]), strict=True),
+        crowded=min(after - before for before, after in pairwise(positions)) < MIN_DATE_DISTANCE,
         organs=clip.track_table[:MAX_ORGANS],
         date=partial(date_at, clip.scans),
         style=_read("page.css"),
@@ -106,7 +107,7 @@ def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
 
 
 def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, Any]:
-    """What the page knows besides the points; read in web/clip.js and web/renderer.js."""
+    """Data of the page besides the points, which become properties of `Clip` in web/clip.js."""
     closing = ClosingDistances(clip)
     to_square, half_side = floor_square(clip)
     radius, edge = splat_shape(clip)
@@ -132,10 +133,10 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
             "transparent": False,
         },
         "shadow": {
-            "side": SIDE,
+            "side": SHADOW_SIZE,
             "points": SHADOW_POINTS,
-            "reach": CONTACT_REACH * half_side,
-            "texel": 2 * half_side / SIDE,
+            "contact_height": CONTACT_HEIGHT * half_side,
+            "texel": 2 * half_side / SHADOW_SIZE,
             "toSquare": to_square.T.ravel().tolist(),
         },
         "home": asdict(home) | {"aspect": _narrowest(clip, home)},
@@ -153,27 +154,28 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
 
 
 def _narrowest(clip: Clip, home: Camera) -> float:
-    """The aspect of the narrowest picture in which the plant is as large as in its home view."""
-    points = outline(clip) @ axes(clip.up)
+    """Width divided by height of the narrowest picture that the home view still fits."""
+    points = sampled_positions(clip) @ axes(clip.up)
     right, _, _, depth = home.matrix(1.0) @ np.column_stack([points, np.ones(len(points))]).T
-    return float(np.abs(right / depth).max()) / MARGIN
+    return float(np.abs(right / depth).max()) / FITTED_SHARE
 
 
 def _moments(clip: Clip) -> list[tuple[float, str, str]]:
-    """When the names of the day change, its date and the time since the first scan, and to what."""
-    days = np.union1d(np.linspace(clip.times[0], clip.times[-1], MOMENTS), clip.times).tolist()
+    """Times at which the displayed date changes, with date and time since the first scan."""
+    days = np.union1d(np.linspace(clip.times[0], clip.times[-1], DATE_STEPS), clip.times).tolist()
     unit = clip.time_unit
-    named = [(day, date_at(clip.scans, day), elapsed(clip.scans, day, unit)) for day in days]
-    return named[:1] + [after for before, after in pairwise(named) if before[1:] != after[1:]]
+    texts = [(day, date_at(clip.scans, day), elapsed(clip.scans, day, unit)) for day in days]
+    return texts[:1] + [after for before, after in pairwise(texts) if before[1:] != after[1:]]
 
 
 def _curves(clip: Clip) -> dict[str, tuple[str, str]]:
-    """Of an organ and a trait what is plotted, in words and as a picture."""
+    """Caption and SVG of each plot by "TRACK TRAIT"."""
     plots, span, table = {}, (clip.times[0], clip.times[-1]), clip.track_table[:MAX_CURVES]
-    for one in trait_curves(clip, range(len(table))):
-        low, high = format_number(one.bottom), format_number(max(one.values))
-        drawing = curve_svg(one, span, _css(table[one.track].color))
-        plots[f"{one.track} {one.trait}"] = f"{one.trait}, {low} to {high}{one.unit}", drawing
+    for curve in trait_curves(clip, range(len(table))):
+        low, high = format_number(curve.bottom), format_number(max(curve.values))
+        caption = f"{curve.trait}, {low} to {high}{curve.unit}"
+        svg = curve_svg(curve, span, _css(table[curve.track].color))
+        plots[f"{curve.track} {curve.trait}"] = caption, svg
     return plots
 
 

@@ -1,19 +1,20 @@
-// Draws a clip at a time by the passes, and with the shaders, of the player's window: splats on the
-// nearest surface, their depths filtered, the plant's shadow, and light over the ground.
+// Renders a clip at a time by the passes of the player's window: splats on the nearest surface,
+// filtering of depths, shadow, lighting, and composition over the background.
 
-const BUDGET = 384 << 20;  // bytes of points kept on the graphics card
-const NOTHING = 1e4;  // the relative depth where no point is (depth.glsl)
-const DIMMED = 0.12, LUMINANCE = [0.2126, 0.7152, 0.0722];  // beside a chosen organ; of linear sRGB
-const KINDS = { Uint8Array: "UNSIGNED_BYTE", Uint16Array: "UNSIGNED_SHORT", Uint32Array: "UNSIGNED_INT" };
+const MAX_MEMORY = 384 << 20;  // bytes of points kept on the GPU
+const NOTHING = 1e4;  // relative depth of samples without a surface (depth.glsl)
+const DIMMED_SHARE = 0.12;  // share of its own colour that an organ keeps beside a selected one
+const LUMINANCE = [0.2126, 0.7152, 0.0722];  // of linear sRGB
+const TYPES = { Uint8Array: "UNSIGNED_BYTE", Uint16Array: "UNSIGNED_SHORT", Uint32Array: "UNSIGNED_INT" };
 
 class Renderer {
-    // shaders: name -> GLSL; throws an Error whose message is for people.
+    // shaders: see Graphics. Throws an Error, whose message is shown to users, without WebGL 2.
     constructor(canvas, clip, shaders) {
         const graphics = new Graphics(canvas, shaders), { gl } = graphics, { side } = clip.shadow;
-        Object.assign(this, { graphics, gl, clip, canvas, targets: null, painted: {} });
-        this.intervals = new Map();  // those on the graphics card, the longest unused first
+        Object.assign(this, { graphics, gl, clip, canvas, targets: null, cachedPalette: {} });
+        this.intervals = new Map();  // on the GPU, least recently used first
         this.shadows = [0, 1].map(() => graphics.target(side, side, [gl.RG16F], { linear: true }));
-        [, this.largest] = gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE);
+        [, this.maxPointPx] = gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE);
         clip.intervals.forEach((interval) => this.programs(interval));
         for (const name of ["splat_resolve", "bilateral", "shade", "blur"]) {
             graphics.program("fullscreen", name);
@@ -21,8 +22,8 @@ class Renderer {
         graphics.program("fullscreen", "picture", { SUPERSAMPLE: 1 });
     }
 
-    // Whether an interval's points are on the graphics card; if not, they are on their way.
-    ready(index) {
+    // Whether an interval's points are on the GPU; if not, loading them is started.
+    isReady(index) {
         const kept = this.intervals.get(index) || { columns: null, bytes: 0 };
         this.intervals.delete(index);
         this.intervals.set(index, kept);
@@ -32,19 +33,20 @@ class Renderer {
 
     upload(kept, { points, tracks, colors, normals }) {
         const gl = this.gl;
-        const column = (location, data, sides) => {
+        const column = (location, data, components) => {
             const buffer = gl.createBuffer(), { name, BYTES_PER_ELEMENT } = data.constructor;
             gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
             gl.bufferData(gl.ARRAY_BUFFER, data, gl.STATIC_DRAW);
             kept.bytes += data.byteLength;
-            return { location, buffer, sides, kind: gl[KINDS[name]], size: sides * BYTES_PER_ELEMENT };
+            const size = components * BYTES_PER_ELEMENT;
+            return { location, buffer, components, type: gl[TYPES[name]], size };
         };
         kept.array = gl.createVertexArray();
         kept.columns = [[points, 0, 3], [tracks, 4, 1], [colors, 5, 3], [normals, 7, 4]].flatMap(
-            ([sequence, first, sides]) => sequence.map((data, i) => column(first + i, data, sides)));
+            ([sequence, first, components]) => sequence.map((data, i) => column(first + i, data, components)));
         let used = [...this.intervals.values()].reduce((sum, { bytes }) => sum + bytes, 0);
         for (const [index, { array, columns, bytes }] of this.intervals) {
-            if (used <= BUDGET || this.intervals.size <= 3) break;
+            if (used <= MAX_MEMORY || this.intervals.size <= 3) break;
             if (!columns) continue;
             gl.deleteVertexArray(array);
             columns.forEach(({ buffer }) => gl.deleteBuffer(buffer));
@@ -53,28 +55,28 @@ class Renderer {
         }
     }
 
-    // Make an interval's points, one of so many, the shaders' inputs. Neighbours in the buffers are
-    // neighbours on the plant, so what is left out leaves no gaps.
-    bind(index, every) {
+    // Bind every n-th point of an interval as vertex attributes; points in sequence are neighbours, so
+    // that this leaves no gaps.
+    bindPoints(index, stride) {
         const gl = this.gl, { array, columns } = this.intervals.get(index);
         gl.bindVertexArray(array);
-        for (const { location, buffer, sides, kind, size } of columns) {
+        for (const { location, buffer, components, type, size } of columns) {
             gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
             gl.enableVertexAttribArray(location);
-            if (sides === 1) gl.vertexAttribIPointer(location, 1, kind, every * size, 0);
-            else gl.vertexAttribPointer(location, sides, kind, location > 4, every * size, 0);
+            if (components === 1) gl.vertexAttribIPointer(location, 1, type, stride * size, 0);
+            else gl.vertexAttribPointer(location, components, type, location > 4, stride * size, 0);
         }
     }
 
-    // Of how many points one may be left at a time when `wanted` are enough: 1, 2, 4, ... 32.
-    thinned(day, wanted) {
+    // The largest stride, a power of 2 up to 32, that leaves `minimum` points of a time's interval.
+    maxStride(day, minimum) {
         const { count } = this.clip.intervals[this.clip.locate(day)[0]];
-        return 2 ** clamped(Math.floor(Math.log2(count / wanted)), 0, 5);
+        return 2 ** clamped(Math.floor(Math.log2(count / minimum)), 0, 5);
     }
 
-    // look: { light, byTrack, chosen, pointSize }; every: of so many points one is drawn, and
-    // larger; samples: along each side of a pixel.
-    draw(day, camera, look, { every = 1, samples = 1 } = {}) {
+    // look: { light, byTrack, selected, pointSize }; stride: every n-th point is drawn, with larger
+    // splats; samples: along each side of a pixel.
+    draw(day, camera, look, { stride = 1, samples = 1 } = {}) {
         const { graphics, clip, gl } = this, { width, height } = this.canvas;
         const layers = clip.layersAt(day).filter(({ interval }) => this.intervals.get(interval)?.columns);
         const slope = Math.tan(camera.field_of_view / 2), pose = camera.pose(), view = pose.inverse();
@@ -82,22 +84,22 @@ class Renderer {
         const values = {
             ...clip.uniforms, ...clip.grounds[look.light ? "light" : "dark"],
             view: view.toFloat32Array(), projection: camera.projection(width / height),
-            radius: clip.splat.radii * look.pointSize * Math.sqrt(every)
-                * clip.between(clip.coverage, day),
+            radius: clip.splat.radii * look.pointSize * Math.sqrt(stride)
+                * clip.interpolate(clip.coverage, day),
             focal_px: (samples * height) / (2 * slope),
-            point_px_range: [samples * clip.splat.smallest, this.largest],
+            point_px_range: [samples * clip.splat.smallest, this.maxPointPx],
             target_depth: camera.distance,
             half_extent: [(slope * width) / height, slope],
-            by_track: look.byTrack, palette: this.palette(look.chosen, day),
+            by_track: look.byTrack, palette: this.palette(look.selected, day),
             to_floor: new DOMMatrix(clip.shadow.toSquare).multiply(pose).toFloat32Array(),
             up_dir: [x, y, z],
         };
         const targets = this.targetsOf(samples * width, samples * height);
         const { nearest, sums, surface, filtered, lit } = targets;
-        const pass = (target, name, more, defined) =>
-            graphics.fill(target, name, { ...values, ...more }, defined);
+        const pass = (target, name, uniforms, macros) =>
+            graphics.run(target, name, { ...values, ...uniforms }, macros);
         const clear = (target, ...color) => {
-            graphics.into(target);
+            graphics.bind(target);
             target.textures.forEach((_, i) => gl.clearBufferfv(gl.COLOR, i, color));
         };
         const [front] = nearest.textures, [colors, depths, normals] = surface.textures;
@@ -105,12 +107,12 @@ class Renderer {
         gl.enable(gl.DEPTH_TEST);
         clear(nearest, NOTHING, 0, 0, 0);
         gl.clear(gl.DEPTH_BUFFER_BIT);
-        this.drawPoints("depth", layers, values, every);
+        this.drawPoints("depth", layers, values, stride);
         gl.depthMask(false);
         clear(sums, 0, 0, 0, 0);
         gl.enable(gl.BLEND);
         gl.blendFunc(gl.ONE, gl.ONE);
-        this.drawPoints("sum", layers, { ...values, lift: 1, front }, every);
+        this.drawPoints("sum", layers, { ...values, lift: 1, front }, stride);
         gl.disable(gl.DEPTH_TEST);
         this.castShadow(day, layers, values.palette);
         const [color_sums, moment_sums, normal_sums] = sums.textures, [light] = lit.textures;
@@ -124,7 +126,7 @@ class Renderer {
             gl.depthFunc(gl.ALWAYS);
             pass(surface, "splat_covered", { front, light });
             gl.depthFunc(gl.LESS);
-            this.drawPoints("behind", layers, { ...values, front }, every);
+            this.drawPoints("behind", layers, { ...values, front }, stride);
             gl.enable(gl.BLEND);
             gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);
             gl.depthMask(false);
@@ -138,36 +140,36 @@ class Renderer {
 
     castShadow(day, layers, palette) {
         const { graphics, clip, gl } = this, [first, second] = this.shadows;
-        const { side, points, reach, texel, toSquare } = clip.shadow;
-        const every = this.thinned(day, points), { count } = clip.intervals[clip.locate(day)[0]];
-        const area = 4 * clip.between(clip.coverage, day) ** 2 * clip.between(clip.points, day);
-        graphics.into(first);
+        const { side, points, contact_height, texel, toSquare } = clip.shadow;
+        const stride = this.maxStride(day, points), { count } = clip.intervals[clip.locate(day)[0]];
+        const area = 4 * clip.interpolate(clip.coverage, day) ** 2 * clip.interpolate(clip.points, day);
+        graphics.bind(first);
         gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
         this.drawPoints("shadow", layers, {
-            from_above: toSquare, reach, palette, cover: (every * area) / count / texel ** 2,
-        }, every);
+            from_above: toSquare, contact_height, palette, cover: (stride * area) / count / texel ** 2,
+        }, stride);
         gl.disable(gl.BLEND);
         const blur = (target, source, direction, saturate) =>
-            graphics.fill(target, "blur", { source: source.textures[0], direction, saturate });
+            graphics.run(target, "blur", { source: source.textures[0], direction, saturate });
         blur(second, first, [1 / side, 0], true);
         blur(first, second, [0, 1 / side], false);
     }
 
-    drawPoints(pass, layers, values, every) {
+    drawPoints(pass, layers, values, stride) {
         for (const { interval, group, parameter, blend, alpha } of layers) {
-            const about = this.clip.intervals[interval];
-            this.graphics.use(this.programs(about, alpha < 1)[pass], {
-                ...values, box_low: about.low, box_step: about.step, blend, opacity: alpha,
-                turned: parameter, weights: bernstein(about.degree, parameter), first_point: 0,
+            const layout = this.clip.intervals[interval];
+            this.graphics.use(this.programs(layout, alpha < 1)[pass], {
+                ...values, box_low: layout.low, box_step: layout.step, blend, opacity: alpha,
+                normal_share: parameter, weights: bernstein(layout.degree, parameter), first_point: 0,
             });
-            const first = Math.ceil(group.first / every);
-            const stop = Math.ceil((group.first + group.count) / every);
-            this.bind(interval, every);
+            const first = Math.ceil(group.first / stride);
+            const stop = Math.ceil((group.first + group.count) / stride);
+            this.bindPoints(interval, stride);
             this.gl.drawArrays(this.gl.POINTS, first, stop - first);
         }
     }
 
-    // Those that an interval's points are drawn with.
+    // The programs for the passes over the points of an interval.
     programs({ degree, colored, aligned }, fading = false) {
         const program = (vertex, fragment) => this.graphics.program(vertex, fragment, {
             DEGREE: degree, SCAN_COLORS: +colored, NORMALS: +aligned, FADING: +fading,
@@ -179,35 +181,35 @@ class Renderer {
         };
     }
 
-    // The organs' colours in linear light: a newborn one's comes from that of the organ it grows
-    // from. Beside a chosen one the others stand back.
-    palette(chosen, day) {
+    // The colours of organs in linear light. Newborn organs start with the colours of their parents;
+    // organs beside a selected one are dimmed.
+    palette(selected, day) {
         const { gl, graphics, clip } = this, [interval, share] = clip.locate(day);
         const newborn = new Map(clip.newborn[interval]);
-        const key = [chosen, newborn.size ? day : null].join();
-        if (this.painted.key === key) return this.painted.texture;
+        const key = [selected, newborn.size ? day : null].join();
+        if (this.cachedPalette.key === key) return this.cachedPalette.texture;
         const width = 1024, height = Math.ceil(clip.tracks.length / width);
         const texels = new Float32Array(4 * width * height);
         clip.tracks.forEach((own, i) => {
             const from = clip.tracks[newborn.get(i) ?? i];
             const color = own.map((c, k) => (1 - share) * from[k] + share * c);
-            const kept = chosen < 0 || chosen === i ? 1 : DIMMED;
-            const grey = 0.35 * (1 - kept) * color.reduce((sum, c, k) => sum + LUMINANCE[k] * c, 0);
-            texels.set([...color.map((c) => kept * c + grey), kept], 4 * i);
+            const weight = selected < 0 || selected === i ? 1 : DIMMED_SHARE;
+            const grey = 0.35 * (1 - weight) * color.reduce((sum, c, k) => sum + LUMINANCE[k] * c, 0);
+            texels.set([...color.map((c) => weight * c + grey), weight], 4 * i);
         });
-        this.painted.texture ||= graphics.texture(width, height, gl.RGBA32F);
-        this.painted.key = key;
-        gl.bindTexture(gl.TEXTURE_2D, this.painted.texture);
+        this.cachedPalette.texture ||= graphics.texture(width, height, gl.RGBA32F);
+        this.cachedPalette.key = key;
+        gl.bindTexture(gl.TEXTURE_2D, this.cachedPalette.texture);
         gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, width, height, gl.RGBA, gl.FLOAT, texels);
-        return this.painted.texture;
+        return this.cachedPalette.texture;
     }
 
-    // What is drawn into, for so many samples.
+    // The framebuffers for a picture of a size in samples.
     targetsOf(width, height) {
         const { gl, graphics } = this;
         if (this.targets?.sums.width !== width || this.targets.sums.height !== height) {
             Object.values(this.targets || {}).flat().forEach((target) => graphics.release(target));
-            const depth = gl.createRenderbuffer(), far = graphics.depth;
+            const depth = gl.createRenderbuffer(), far = graphics.depthFormat;
             const target = (...formats) => graphics.target(width, height, formats, { depth });
             this.targets = {
                 nearest: target(far), sums: target(gl.RGBA16F, gl.RGBA16F, gl.RG16F),
@@ -219,8 +221,8 @@ class Renderer {
     }
 }
 
-// The Bernstein weights of a Bezier curve's points.
+// The Bernstein weights of a Bezier curve's control points.
 function bernstein(degree, u) {
     const choose = [[1], [1, 1], [1, 2, 1], [1, 3, 3, 1]][degree];
-    return choose.map((ways, j) => ways * u ** j * (1 - u) ** (degree - j));
+    return choose.map((binomial, j) => binomial * u ** j * (1 - u) ** (degree - j));
 }

@@ -1,35 +1,35 @@
-// The camera, which turns about a target with the plant's own up axis upright, and the clock.
+// An orbit camera, which keeps the plant's up axis vertical, and the playback clock.
 
-const STEEPEST = (89 * Math.PI) / 180;
-const REST = 0.8;  // seconds to look at an end before the clock goes on
+const MAX_PITCH = (89 * Math.PI) / 180;
+const END_PAUSE = 0.8;  // seconds for which the clock stops at the end before it starts over
 
 const clamped = (value, low, high) => Math.min(Math.max(value, low), high);
 
 class Camera {
     // home: { target, distance, yaw, pitch, field_of_view, radius, aspect }, angles in radians, aspect
-    // of the narrowest picture that the plant fits in; axes: two horizontal ones and the upward one.
+    // of the narrowest picture that the plant fits in; axes: two horizontal and the upward one.
     constructor(home, axes) {
         Object.assign(this, home, { home, axes });
     }
 
-    // The whole plant in a picture of this shape, of whose height a share is free, from the top.
+    // Show the whole plant in the upper part of a picture, a share `free` of its height.
     fit(aspect, free) {
         const farther = Math.max(this.home.aspect / aspect, 1 / free);
         Object.assign(this, this.home, { distance: this.home.distance * farther });
         this.pan(0, (1 - free) / 2 - 0.02);
     }
 
-    // From the eye's coordinates, right, above and backwards, to local ones.
+    // The matrix from eye coordinates (right, up, back) to local coordinates.
     pose() {
-        const [first, second, upward] = this.axes, turn = 180 / Math.PI;
+        const [first, second, upward] = this.axes, degrees = 180 / Math.PI;
         return new DOMMatrix([...first, 0, ...second, 0, ...upward, 0, ...this.target, 1])
-            .rotateAxisAngle(0, 0, 1, 90 + turn * this.yaw)
-            .rotateAxisAngle(1, 0, 0, 90 - turn * this.pitch).translate(0, 0, this.distance);
+            .rotateAxisAngle(0, 0, 1, 90 + degrees * this.yaw)
+            .rotateAxisAngle(1, 0, 0, 90 - degrees * this.pitch).translate(0, 0, this.distance);
     }
 
     orbit(yaw, pitch) {
         this.yaw += yaw;
-        this.pitch = clamped(this.pitch + pitch, -STEEPEST, STEEPEST);
+        this.pitch = clamped(this.pitch + pitch, -MAX_PITCH, MAX_PITCH);
     }
 
     // Shift the picture right and up by shares of its height, at the target's depth.
@@ -39,16 +39,15 @@ class Camera {
         this.target = [moved.m41, moved.m42, moved.m43];
     }
 
-    // Come nearer by a factor above 1; the place at (x, y), in picture heights from the middle,
-    // stays where it is.
+    // Divide the distance by a factor; what is at (x, y), in picture heights from the centre, stays.
     zoom(factor, x = 0, y = 0) {
         const before = this.distance;
         this.distance = clamped(before / factor, 0.02 * this.radius, 50 * this.radius);
-        const kept = before / this.distance - 1;
-        this.pan(-x * kept, -y * kept);
+        const growth = before / this.distance - 1;
+        this.pan(-x * growth, -y * growth);
     }
 
-    // From the eye's coordinates to the picture; column-major, as WebGL takes it.
+    // The matrix from eye to clip coordinates, in WebGL's column-major order.
     projection(aspect) {
         const near = Math.max(this.distance - 4 * this.radius, 0.02 * this.distance);
         const far = this.distance + 4 * this.radius;
@@ -60,10 +59,11 @@ class Camera {
     }
 }
 
+// The playback clock; times are in the clip's unit.
 class Clock {
     constructor(times) {
         this.times = times;
-        this.first = this.position = times[0];  // goes on beyond the last day for a while
+        this.first = this.position = times[0];  // exceeds the last day during the pause at the end
         this.last = times.at(-1);
         this.playing = false;
     }
@@ -73,10 +73,10 @@ class Clock {
     }
 
     tick(seconds) {
-        const whole = clamped(2 * (this.times.length - 1), 4, 24);  // seconds
-        const pace = (this.last - this.first) / whole;
-        this.position += seconds * pace;
-        if (this.position > this.last + REST * pace) this.position = this.first;
+        const duration = clamped(2 * (this.times.length - 1), 4, 24);  // seconds
+        const speed = (this.last - this.first) / duration;
+        this.position += seconds * speed;
+        if (this.position > this.last + END_PAUSE * speed) this.position = this.first;
     }
 
     toggle() {
@@ -88,12 +88,13 @@ class Clock {
         this.position = clamped(day, this.first, this.last);
     }
 
+    // Move by a share of the series.
     nudge(share) {
         this.playing = false;
         this.go(this.day + share * (this.last - this.first));
     }
 
-    // To the next scan (1) or the one before (-1).
+    // Go to the next scan (1) or the previous one (-1).
     step(direction) {
         this.playing = false;
         const ahead = this.times.filter((time) => direction * (time - this.day) > 0);

@@ -39,7 +39,7 @@ def still(clip: Clip, folder: Path, **wishes: Any) -> np.ndarray:
     [
         ({"title": "Maize"}, slice(0, 60), slice(0, 200), "light"),
         ({"annotations": Annotations(date=True)}, slice(300, 360), slice(0, 200), "dark"),
-        ({"annotations": Annotations(scale=True)}, slice(300, 360), slice(440, 640), "dark"),
+        ({"annotations": Annotations(scale_bar=True)}, slice(300, 360), slice(440, 640), "dark"),
         ({"annotations": Annotations(legend=True)}, slice(0, 60), slice(440, 640), "dark"),
     ],
 )
@@ -58,7 +58,7 @@ def test_each_stamp_has_its_corner(
 
 def test_the_scale_bar_is_as_long_as_it_says(clip: Clip, tmp_path: Path) -> None:
     plain, barred = (
-        still(clip, tmp_path, annotations=Annotations(scale=on)) for on in (False, True)
+        still(clip, tmp_path, annotations=Annotations(scale_bar=on)) for on in (False, True)
     )
     camera = Film(size=SIZE).cameras(clip)[0]
     units = SIZE[1] / (2 * camera.distance * math.tan(camera.field_of_view / 2))
@@ -118,7 +118,7 @@ def test_a_legend_of_values_shows_the_ramp(clip: Clip, tmp_path: Path) -> None:
         for wanted in (Annotations(), Annotations(legend=True))
     )
     changed = named[(plain != named).any(axis=2)].astype(int)
-    scale = Colors(clip).color_scale(style)
+    scale = Colors(clip).value_range(style)
     assert scale is not None
     for color in scale.colors()[[8, 128, 248]].astype(int):
         assert np.abs(changed[:, :3] - color).max(axis=1).min() <= 6

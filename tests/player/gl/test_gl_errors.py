@@ -14,7 +14,7 @@ import pytest
 
 from player.cli import main
 from player.errors import PlayerError
-from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, samples_within
+from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, max_supersample
 from player.rendering.headless import Offscreen, render
 from player.rendering.point_buffers import Chunk, PointBuffers, bytes_per_point
 from player.rendering.points import RasterBackend
@@ -104,7 +104,7 @@ def test_a_picture_that_no_driver_draws_is_a_sentence(
     saved: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     output = saved.with_name("x.png")
-    monkeypatch.setattr("player.gl.gl_errors.total", lambda context: 100_000_000)
+    monkeypatch.setattr("player.gl.gl_errors.total_gpu_memory", lambda context: 100_000_000)
     said = sentence(capsys, saved, "--export", output, "--size", "16384x2048")
     assert "16384x2048" in said
     assert "GB" in said
@@ -115,17 +115,18 @@ def test_large_pictures_take_fewer_samples(
     context: moderngl.Context, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     longest = context.info["GL_MAX_TEXTURE_SIZE"]
-    assert samples_within(context, (640, 480), 2) == 2
-    assert samples_within(context, (longest // 2, 16), 2) == 2
-    assert samples_within(context, (longest // 2 + 1, 16), 2) == 1
-    assert samples_within(context, (longest, 16), 2) == 1
+    assert max_supersample(context, (640, 480), 2) == 2
+    assert max_supersample(context, (longest // 2, 16), 2) == 2
+    assert max_supersample(context, (longest // 2 + 1, 16), 2) == 1
+    assert max_supersample(context, (longest, 16), 2) == 1
     with pytest.raises(PlayerError, match=f"at most {longest} pixels"):
-        samples_within(context, (16, longest + 1), 1)
-    monkeypatch.setattr("player.gl.gl_errors.total", lambda context: 60 * 640 * 480 * 4 - 1)
-    assert samples_within(context, (640, 480), 2) == 1
-    monkeypatch.setattr("player.gl.gl_errors.total", lambda context: 60 * 640 * 480 - 1)
+        max_supersample(context, (16, longest + 1), 1)
+    memory = "player.gl.gl_errors.total_gpu_memory"
+    monkeypatch.setattr(memory, lambda context: 60 * 640 * 480 * 4 - 1)
+    assert max_supersample(context, (640, 480), 2) == 1
+    monkeypatch.setattr(memory, lambda context: 60 * 640 * 480 - 1)
     with pytest.raises(PlayerError, match="GPU's memory"):
-        samples_within(context, (640, 480), 2)
+        max_supersample(context, (640, 480), 2)
 
 
 def test_a_wide_picture_is_drawn(make_clip: ClipMaker) -> None:

@@ -17,7 +17,7 @@ import player.rendering.point_cloud
 from gclip import Clip, Group, Interval, Motion, ScanMark, Track
 from gclip.evaluate import layers_at
 from gclip.schema import Box
-from player.rendering.point_buffers import ChunkBuffers, whole
+from player.rendering.point_buffers import ChunkBuffers, full_ranges
 from player.rendering.point_cloud import PointCloud
 
 CHUNK = 1 << 24
@@ -51,7 +51,7 @@ def shader(monkeypatch: pytest.MonkeyPatch) -> Shader:
     def upload(self: ChunkBuffers, stop: int) -> None:
         self.resident = stop
 
-    monkeypatch.setattr(player.rendering.point_cloud, "program", lambda *_, **__: made)
+    monkeypatch.setattr(player.rendering.point_cloud, "compile_program", lambda *_, **__: made)
     monkeypatch.setattr(ChunkBuffers, "upload", upload)
     return made
 
@@ -81,7 +81,7 @@ def loaded(count: int, shader: Shader) -> Callable[[], list[int]]:
     context.buffer = lambda reserve: NonCallableMock(size=reserve)
     clip = clip_of(count)
     points = PointCloud(context, clip, memory=1 << 40)
-    wanted = whole(layers_at(clip, 0.3))
+    wanted = full_ranges(layers_at(clip, 0.3))
 
     def frame() -> list[int]:
         resident = points.buffers.load(wanted, 1e9)

@@ -29,7 +29,7 @@ def test_a_click_finds_the_organ_that_is_seen(
     assert at(470.0, 300.0) == 1
     assert at(10.0, 10.0) is None
     assert at(470.0, 300.0, hidden=frozenset((1,))) is None
-    assert at(470.0, 300.0, alone=0) is None
+    assert at(470.0, 300.0, isolated=0) is None
     # From behind, right is left.
     camera = camera.orbit(np.pi, 0.0)
     assert at(330.0, 300.0) == 1

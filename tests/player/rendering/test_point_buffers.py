@@ -12,10 +12,9 @@ from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion
 from gclip.evaluate import layers_at
 from gclip.schema import BLOCK
-from player.gl.gpu_memory import total
+from player.gl.gpu_memory import total_gpu_memory
 from player.rendering import point_buffers
-from player.rendering.point_buffers import DrawRange, PointBuffers, bytes_per_point
-from player.rendering.point_buffers import whole as whole_layers
+from player.rendering.point_buffers import DrawRange, PointBuffers, bytes_per_point, full_ranges
 from player.rendering.renderer import Renderer
 from player.view.style import Style
 from tests.player.drawn import drawn, fitted
@@ -27,7 +26,7 @@ SIZE = (160, 120)
 @pytest.fixture
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> int:
     """Points of a quantised chunk."""
-    monkeypatch.setattr(point_buffers, "MAX_BUFFER", 6 * 333)
+    monkeypatch.setattr(point_buffers, "MAX_BUFFER_SIZE", 6 * 333)
     monkeypatch.setattr(point_buffers, "SLICE", 100)
     return 333
 
@@ -42,8 +41,8 @@ def series(clip: Clip, count: int) -> Clip:
     )
 
 
-def whole(clip: Clip, day: float) -> list[DrawRange]:
-    return whole_layers(layers_at(clip, day))
+def ranges_at(clip: Clip, day: float) -> list[DrawRange]:
+    return full_ranges(layers_at(clip, day))
 
 
 @pytest.mark.parametrize(
@@ -55,7 +54,7 @@ def test_bytes_a_mover(
     clip = series(make_clip(degree=degree, colors=colors), 1)
     assert bytes_per_point(clip.intervals[0]) == size
     buffers = PointBuffers(context, clip, 1 << 30)
-    buffers.load(whole(clip, 0.0), 1.0)
+    buffers.load(ranges_at(clip, 0.0), 1.0)
     count = 2 + degree + (2 if colors else 0)
     assert 0 < buffers.size() - size * len(clip.intervals[0]) <= count * point_buffers.PADDING
 
@@ -85,7 +84,7 @@ def test_the_room_is_kept_to(context: moderngl.Context, make_clip, small_chunks:
     limit = 3 * len(clip.intervals[0]) * bytes_per_point(clip.intervals[0])
     buffers = PointBuffers(context, clip, limit)
     for day in np.linspace(0, 9, 30):
-        wanted = whole(clip, float(day))
+        wanted = ranges_at(clip, float(day))
         assert buffers.load(wanted, 1.0) == wanted
         assert 0 < buffers.size() <= limit
 
@@ -94,7 +93,7 @@ def test_without_time_the_beginning_is_there_and_the_rest_follows(
     context: moderngl.Context, make_clip, small_chunks: int
 ) -> None:
     clip = make_clip()
-    buffers, wanted = PointBuffers(context, clip, 1 << 30), whole(clip, 3.0)
+    buffers, wanted = PointBuffers(context, clip, 1 << 30), ranges_at(clip, 3.0)
     assert buffers.load(wanted, 0.0) == [
         replace(drawn, count=min(100, drawn.count)) for drawn in wanted
     ]
@@ -107,8 +106,8 @@ def test_what_comes_next_is_there_before_it_is_shown(context: moderngl.Context, 
     size = len(clip.intervals[0]) * bytes_per_point(clip.intervals[0])
     buffers = PointBuffers(context, clip, int(2.2 * size))
     for shown in (0, 1, 2):
-        buffers.load(whole(clip, shown + 0.5), 60.0)
-        ranges = [whole(clip, day + 0.5)[0] for day in range(4)]
+        buffers.load(ranges_at(clip, shown + 0.5), 60.0)
+        ranges = [ranges_at(clip, day + 0.5)[0] for day in range(4)]
         there = [buffers.resident(one) == one.count for one in ranges]
         assert there == [day in (shown, shown + 1) for day in range(4)]
 
@@ -141,7 +140,7 @@ def test_one_point_in_many(
 
 
 def test_the_gpu_has_memory(context: moderngl.Context) -> None:
-    assert total(context) >= 256 << 20
+    assert total_gpu_memory(context) >= 256 << 20
 
 
 def test_a_prefix_is_a_fair_sample() -> None:
@@ -169,7 +168,7 @@ def test_what_is_shown_together_does_not_evict_each_other(
     clip = series(make_clip(), 3)
     size = len(clip.intervals[0]) * bytes_per_point(clip.intervals[0])
     buffers = PointBuffers(context, clip, int(1.3 * size))
-    wanted = [*whole(clip, 0.5), *whole(clip, 1.5)]
+    wanted = [*ranges_at(clip, 0.5), *ranges_at(clip, 1.5)]
     buffers.load(wanted, 1.0)
     loaded, there = buffers.loaded, buffers.load(wanted, 1.0)
     assert buffers.load(wanted, 1.0) == there

@@ -49,8 +49,8 @@ def test_distances_are_measured_ahead(make_clip) -> None:
     ahead.measure_ahead()
     wanted = [asked.at(day) for day in clip.times]
     ends = time.monotonic() + 60.0
-    while ahead._end.cache_info().currsize < 3 and time.monotonic() < ends:
+    while ahead._at_scan.cache_info().currsize < 3 and time.monotonic() < ends:
         time.sleep(0.001)
     ahead.stop()
     assert [ahead.at(day) for day in clip.times] == wanted
-    assert ahead._end.cache_info().misses == 3
+    assert ahead._at_scan.cache_info().misses == 3

@@ -6,10 +6,10 @@ layout(std430, binding = 7) writeonly buffer Found { float found[]; };
 uniform int count;
 
 void main() {
-    int four = int(gl_GlobalInvocationID.x);
-    Curves curves = stored_curves(uint(four));
+    int group = int(gl_GlobalInvocationID.x);
+    Curves curves = stored_curves(uint(group));
     for (int i = 0; i < 4; ++i) {
-        int point = 4 * four + i;
+        int point = 4 * group + i;
         if (point < count) {
             vec3 position = bezier(curve_of(curves, i));
             for (int axis = 0; axis < 3; ++axis) {

@@ -6,11 +6,12 @@ from dataclasses import replace
 import pytest
 
 from corrections import Place
+from corrections.history import Edits
 from player.ui import actions, keys
 from player.ui.actions import QUIT_NEXT
 from player.view.camera import Camera
 from player.view.camera_animation import CameraPath
-from player.view.choices import Compare, Edits
+from player.view.choices import Compare
 from player.view.playback import AtEnd, Timeline
 from player.view.state import Scene
 from player.view.style import Style
@@ -27,7 +28,7 @@ def scene() -> Scene:
 
 def pressed(scene: Scene, *names: str) -> Scene:
     for name in names:
-        scene = keys.pressed(scene, name.removeprefix("shift+"), name.startswith("shift+"))
+        scene = keys.apply_key(scene, name.removeprefix("shift+"), name.startswith("shift+"))
     return scene
 
 
@@ -43,7 +44,7 @@ def test_every_action_by_each_of_its_keys(scene: Scene, action: keys.Action) -> 
     if action.name in ("fit", "show all"):
         scene = scene.with_style(hidden=frozenset({0})).with_camera(lambda camera: camera.zoom(2.0))
     places = Place("a.ply", (0.0, 0.0, 1.0), "leaf 1"), Place("b.ply", (0.0, 0.0, 2.0), "leaf 2")
-    scene = replace(scene, chosen=places, edits=Edits())
+    scene = replace(scene, clicked_places=places, edits=Edits())
     if action.name in ("undo", "redo"):
         scene = actions.correct(scene, "same")
     if action.name == "redo":
@@ -55,11 +56,11 @@ def test_every_action_by_each_of_its_keys(scene: Scene, action: keys.Action) -> 
 
 
 def test_held_keys_repeat_only_where_that_makes_sense(scene: Scene) -> None:
-    scene = keys.pressed(scene, "g")
-    scene = keys.pressed(scene, "g", repeated=True)
+    scene = keys.apply_key(scene, "g")
+    scene = keys.apply_key(scene, "g", repeated=True)
     assert scene.style.ground == "light"
     for _ in range(3):
-        scene = keys.pressed(scene, "right", repeated=True)
+        scene = keys.apply_key(scene, "right", repeated=True)
     timeline = scene.timeline
     assert timeline.day == pytest.approx(timeline.first + 0.03 * (timeline.last - timeline.first))
 
@@ -131,19 +132,19 @@ def test_corrections_are_undone_and_made_again(scene: Scene) -> None:
     assert "first" in actions.correct(scene, "cut").notice
     scene = actions.pick(scene, 0, one)
     assert "another" in actions.correct(scene, "same").notice
-    scene = actions.pick(scene, 1, two, more=True)
-    assert (scene.style.picked, scene.style.second, scene.chosen) == (0, 1, (one, two))
+    scene = actions.pick(scene, 1, two, add=True)
+    assert (scene.style.picked, scene.style.second, scene.clicked_places) == (0, 1, (one, two))
     scene = pressed(scene, "shift+w", "shift+c")
     scene = actions.correct(scene, "name", "flag leaf")
     assert scene.edits is not None
-    different, cut, name = scene.edits.now
+    different, cut, name = scene.edits.current
     assert (different.kind, different.places) == ("different", (one, two))
     assert (cut.kind, cut.places) == ("cut", (one,))
     assert (name.kind, name.places, name.name) == ("name", (one,), "flag leaf")
     undone = pressed(scene, "ctrl+z", "ctrl+z")
     assert undone.edits is not None
-    assert undone.edits.now == (different,)
-    assert pressed(undone, "shift+ctrl+z").edits.now == (different, cut)  # type: ignore[union-attr]
-    assert pressed(undone, "w", "shift+ctrl+z").edits.now[0] == different  # type: ignore[union-attr]
-    assert actions.pick(scene, 0).chosen == (), "a second click lets go"
+    assert undone.edits.current == (different,)
+    assert pressed(undone, "shift+ctrl+z").edits.current == (different, cut)  # type: ignore[union-attr]
+    assert pressed(undone, "w", "shift+ctrl+z").edits.current[0] == different  # type: ignore[union-attr]
+    assert actions.pick(scene, 0).clicked_places == (), "a second click lets go"
     assert pressed(replace(scene, edits=None), "w").edits is None, "no file to keep them in"

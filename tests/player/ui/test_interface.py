@@ -16,8 +16,8 @@ from imgui_bundle import imgui
 
 from gclip import Clip
 from player.ui.theme import DARK, LIGHT, Pen, one_line
-from player.ui.timeline import Line, labels_on
-from player.view.state import Exporting, Scene
+from player.ui.timeline import Line, fitting_labels
+from player.view.state import ExportProgress, Scene
 from player.view.style import ColorMode
 from tests.player.desk import SIZE, Desk, scene_of
 from tests.player.shown import small_clip
@@ -47,7 +47,8 @@ def drawn(desk: Desk, scene: Scene, at: tuple[float, float] | None = None) -> np
 def test_dates_neither_touch_nor_leave_the_window(width: float, times: list[int]) -> None:
     line = Line(150.0, max(width - 150.0, 151.0), 400.0, tuple(times))
     half = 30.0
-    labels = labels_on(line, ["2020-03-08"] * len(times), (8.0, width - 8.0), lambda text: 2 * half)
+    dates, ends = ["2020-03-08"] * len(times), (8.0, width - 8.0)
+    labels = fitting_labels(line, dates, ends, lambda text: 2 * half)
     assert labels[0][0] == 0
     for _, x in labels:
         assert x - half >= 8.0
@@ -243,7 +244,7 @@ def test_everything_at_once_is_drawn(
     clip = small_clip()
     scene = scene_of(clip, 0.5, color_by=ColorMode.HEIGHT, picked=1)
     plain = replace(scene, curve="", legend=False)
-    scene = replace(scene, curve="", exporting=Exporting("a.mp4", 3, 10))
+    scene = replace(scene, curve="", exporting=ExportProgress("a.mp4", 3, 10))
     with opened(context, clip, scene) as desk:
         told(desk, monkeypatch, ("kind", "leaf"))
         whole = desk.pixels().copy()
@@ -257,7 +258,7 @@ def test_text_from_clips_is_only_text(
     hostile = "%s%n##id###x\x00\x1b[31m\n\t" + "🌱日" + "x" * 100_000
     clip = small_clip([hostile] * 3, leaf=hostile)
     scene = replace(scene_of(clip, 0.5, picked=1, color_by=ColorMode.TRACK), panel=True)
-    scene = replace(scene, notice=hostile, exporting=Exporting(hostile, 1, 2))
+    scene = replace(scene, notice=hostile, exporting=ExportProgress(hostile, 1, 2))
     with opened(context, clip, scene, name=hostile) as desk:
         told(desk, monkeypatch, (hostile, hostile))
         desk.point((450.0, SIZE[1] - 50.0))

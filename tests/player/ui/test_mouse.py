@@ -7,9 +7,10 @@ import moderngl
 import pytest
 
 from corrections import Correction, Place
+from corrections.history import Edits
 from player.ui import keys
 from player.view.camera_animation import CameraPath
-from player.view.choices import Compare, Edits
+from player.view.choices import Compare
 from tests.player.desk import Desk, scene_of
 from tests.player.shown import small_clip
 
@@ -42,14 +43,14 @@ def test_a_press_on_the_timeline_goes_there_and_a_drag_follows(desk: Desk) -> No
     desk.point((line.x_of(1.0), line.height))
     desk.press("left", True)
     assert desk.draw(2).timeline.day == pytest.approx(1.0, abs=0.01)
-    assert desk.interface.timeline.held
+    assert desk.interface.timeline.dragging
     desk.move(line.x_of(2.6), 10.0)
     assert desk.draw(2).timeline.day == pytest.approx(2.6, abs=0.01)
     desk.move(-500.0, 10.0)
     assert desk.draw(2).timeline.day == 0.0
     desk.press("left", False)
     desk.draw(2)
-    assert not desk.interface.timeline.held
+    assert not desk.interface.timeline.dragging
     desk.move(line.x_of(2.6), line.height)
     assert desk.draw(2).timeline.day == 0.0
 
@@ -200,10 +201,10 @@ def test_lists_choose(desk: Desk, action: str) -> None:
     opened(desk)
     before = desk.scene
     desk.click(action)
-    assert desk.gui.takes("escape")
-    desk.gui.type("escape")
+    assert desk.gui.captures("escape")
+    desk.gui.send_key("escape")
     desk.draw(3)
-    assert not desk.gui.takes("escape"), "Esc closes it"
+    assert not desk.gui.captures("escape"), "Esc closes it"
     assert desk.scene == before
     desk.click(action)
     names = {
@@ -211,7 +212,7 @@ def test_lists_choose(desk: Desk, action: str) -> None:
         "format": "film.webm", "size": "1280 × 720",
     }  # fmt: skip
     desk.click(names[action])
-    assert not desk.gui.takes("escape")
+    assert not desk.gui.captures("escape")
     assert desk.scene != before
 
 
@@ -239,7 +240,7 @@ def test_what_was_put_right_is_listed_and_taken_out(desk: Desk) -> None:
     places = [Place(f"{day}.ply", (0.0, 0.0, 1.0), f"leaf {day}") for day in (1, 2)]
     said = Correction("same", tuple(places)), Correction("cut", (places[0],))
     picked = replace(desk.scene.style, picked=1)
-    desk.scene = replace(desk.scene, panel=True, style=picked, chosen=tuple(places))
+    desk.scene = replace(desk.scene, panel=True, style=picked, clicked_places=tuple(places))
     desk.scene = replace(desk.scene, edits=Edits((said,)))
     desk.draw(3)
     assert {"same", "different", "cut"} <= desk.places.keys(), "two organs open the section"
@@ -252,14 +253,15 @@ def test_an_organ_is_named_in_the_panel(context: moderngl.Context) -> None:
     desk = Desk(context, small_clip(), size=(900.0, 900.0), scale=0.25)
     place = Place("a.ply", (0.0, 0.0, 1.0), "leaf")
     picked = replace(desk.scene.style, picked=1)
-    desk.scene = replace(desk.scene, panel=True, style=picked, chosen=(place,), edits=Edits())
+    changes = {"style": picked, "clicked_places": (place,), "edits": Edits()}
+    desk.scene = replace(desk.scene, panel=True, **changes)
     desk.draw(3)
     desk.click("##called")
-    assert desk.gui.takes("a")
+    assert desk.gui.captures("a")
     for key in ("F", "l", "a", "g", "x", "backspace", "enter"):
-        desk.gui.type(key)
+        desk.gui.send_key(key)
         desk.draw(3)
-    assert not desk.gui.takes("a")
+    assert not desk.gui.captures("a")
     assert desk.scene.edits is not None
-    assert desk.scene.edits.now == (Correction("name", (place,), "Flag"),)
+    assert desk.scene.edits.current == (Correction("name", (place,), "Flag"),)
     desk.release()

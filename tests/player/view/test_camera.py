@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from player.view.camera import Camera, axes, outline
+from player.view.camera import Camera, axes, sampled_positions
 from tests.player.drawn import fitted
 
 UP_AXES = ("x", "y", "z", "-x", "-y", "-z")
@@ -81,7 +81,7 @@ def test_a_turntable_goes_round_the_stem(make_clip) -> None:
 @pytest.mark.parametrize("up", ["z", "-y"])
 def test_home_shows_the_whole_clip_and_fills_the_picture(make_clip, aspect: float, up: str) -> None:
     clip = make_clip(up=up)
-    points = outline(clip) @ axes(up)
+    points = sampled_positions(clip) @ axes(up)
     close = np.abs(on_screen(Camera.home(clip, aspect), points, aspect)[:, :2])
     assert 0.8 < close.max() < 1.0
     turning = Camera.home(clip, aspect, turning=True)

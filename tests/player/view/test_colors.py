@@ -61,7 +61,7 @@ def test_height_goes_up_the_ramp(context: moderngl.Context, make_clip: ClipMaker
 
 def test_the_fastest_colour_is_a_speed_of_the_clip(make_clip: ClipMaker) -> None:
     clip = make_clip()
-    scale = Colors(clip).color_scale(Style(color_by="speed"))
+    scale = Colors(clip).value_range(Style(color_by="speed"))
     assert scale is not None
     speeds = [
         np.linalg.norm(clip.at(day + 1e-3).local - clip.at(day).local, axis=1) / 1e-3
@@ -83,7 +83,7 @@ def test_hidden_organs_are_not_drawn(
     both = drawn(context, clip, 1.0, style, backend)
     nothing = drawn(context, clip, 1.0, replace(style, hidden=frozenset((0, 1))), backend)
     left = drawn(context, clip, 1.0, replace(style, hidden=frozenset((1,))), backend)
-    alone = drawn(context, clip, 1.0, replace(style, alone=0), backend)
+    alone = drawn(context, clip, 1.0, replace(style, isolated=0), backend)
     middle = SIZE[0] // 2
     assert (left == alone).all()
     assert np.abs(left[:, : middle - 20] - both[:, : middle - 20]).mean() < 8
@@ -109,7 +109,7 @@ def test_age_counts_from_birth(make_clip: ClipMaker) -> None:
     young = replace(clip.track_table[1], born=2.0)
     clip = replace(clip, track_table=(clip.track_table[0], young))
     style = Style(color_by="age")
-    scale = Colors(clip).color_scale(style)
+    scale = Colors(clip).value_range(style)
     assert scale is not None
     palette = Colors(clip).palette(4.5, style)
     ramp = srgb_to_linear(scale.colors() / 255.0)
@@ -123,7 +123,7 @@ def test_what_a_style_comes_to(make_clip: ClipMaker) -> None:
     assert Style().color_mode(colored) == "scan"
     assert Style(color_by="scan").color_mode(bare) == "track"
     assert Colors(bare).scalar_field(Style(color_by="age")) == 0
-    assert Colors(bare).color_scale(Style(color_by="track")) is None
+    assert Colors(bare).value_range(Style(color_by="track")) is None
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ def test_a_swaying_leaf_does_not_grow(clip: Clip) -> None:
 
 
 def test_growth_has_a_unit_and_the_colors_of_a_map(clip: Clip) -> None:
-    scale = Colors(clip).color_scale(GROWTH)
+    scale = Colors(clip).value_range(GROWTH)
     assert scale is not None
     assert (scale.title, scale.ends) == ("growth rate", ("0", "10 % a day"))
     ramp, tracks = scale.colors(), np.asarray(clip.intervals[0].tracks)

@@ -19,8 +19,7 @@ from player.export import Film, export
 from player.ui import keys
 from player.view.camera import Camera
 from player.view.choices import Compare
-from player.view.colors import UNKNOWN, Colors, ValueRange
-from player.view.holdout_error import holdout_errors
+from player.view.colors import UNKNOWN_COLOR, Colors, ValueRange
 from player.view.playback import Timeline
 from player.view.split_view import Pane, panes_of
 from player.view.state import Scene
@@ -28,6 +27,7 @@ from player.view.style import ColorMode, Style
 from player.window.dynamic_resolution import Detail
 from player.window.viewports import Viewports
 from tests.player.drawn import window_pixels
+from traits.holdout_error import holdout_errors
 
 ERROR = Style(color_by="error")
 DAY = 1.0
@@ -61,14 +61,14 @@ def test_what_is_no_part_of_the_plant_has_no_error(make_clip: Any) -> None:
 
 
 def test_errors_are_the_colors_of_a_copy(clip: Clip) -> None:
-    worn, scale = Colors(clip).clip_with_colors(ERROR), Colors(clip).color_scale(ERROR)
+    worn, scale = Colors(clip).clip_with_colors(ERROR), Colors(clip).value_range(ERROR)
     assert scale is not None
     assert (scale.low, scale.high, scale.unit) == (0.0, 3.0, "mm")
     errors = holdout_errors(clip)[0]
     painted, ramp = worn.at(DAY).colors[:, :3].astype(int), scale.colors().astype(int)
     assert np.abs(painted[errors < 0.005] - ramp[0]).max() <= 2
     assert np.abs(painted[errors >= 3.0] - ramp[-1]).max() <= 1
-    assert (worn.at(3.0).colors[:, :3] == UNKNOWN).all(), "nothing is known of that interval"
+    assert (worn.at(3.0).colors[:, :3] == UNKNOWN_COLOR).all(), "nothing is known of that interval"
     assert Colors(clip).clip_with_colors(Style()) is clip
 
 
@@ -76,7 +76,7 @@ def test_an_error_s_place_on_the_ramp_is_its_share_of_the_highest(clip: Clip) ->
     known = holdout_errors(clip)[0]
     for highest in (3.0, 12.0):
         scale = ValueRange(ColorMode.ERROR, 0.0, highest, "mm", "gray")
-        shades = scale.painted(clip.intervals[0], known).start_colors[:, 0].astype(int)
+        shades = scale.colored(clip.intervals[0], known).start_colors[:, 0].astype(int)
         assert np.abs(shades - 255 * np.minimum(known / highest, 1.0)).max() <= 1
 
 
@@ -87,7 +87,7 @@ def test_the_window_s_stage_shows_errors_and_goes_back(
     pane = Pane(0, DAY, Camera.home(clip, 4 / 3))
 
     def picture(style: Style) -> np.ndarray:
-        stage.paint(size, [pane], style, Detail(), None)
+        stage.draw(size, [pane], style, Detail(), None)
         return window_pixels(context, stage, size)
 
     before, errors, after = (picture(style) for style in (Style(), ERROR, Style()))
@@ -104,30 +104,30 @@ def test_a_scan_left_out_is_compared_with_where_it_is_nearest(clip: Clip) -> Non
     seen = {}
     for day in (0.2, 1.2, 1.8):
         left, right = panes_of(scene.with_timeline(lambda t, day=day: t.at(day)), ["p"])
-        assert (right.day, right.left_out) == (day, None)
-        seen[day] = (left.day, left.left_out, left.caption)
+        assert (right.day, right.held_out_index) == (day, None)
+        seen[day] = (left.day, left.held_out_index, left.caption)
     assert seen[0.2] == (0.0, None, "Scan of day 0")
     assert seen[1.2] == (1.0, 0, "Left out: scan of day 1")
     assert seen[1.8] == (2.0, None, "Scan of day 2")
 
 
 def test_a_scan_left_out_is_drawn_as_it_is(context: moderngl.Context, clip: Clip) -> None:
-    plain, wrong = (Colors(clip).left_out(0, style) for style in (Style(), ERROR))
+    plain, wrong = (Colors(clip).held_out_clip(0, style) for style in (Style(), ERROR))
     real = clip.held_out[0].positions
     for shown in (plain, wrong):
         assert np.array_equal(shown.at(2.5).local, real)
     assert (plain.at(1.0).colors[:, :3] == 9).all()
     assert set(np.unique(plain.at(1.0).tracks)) == {0, 1}
     missed = cKDTree(clip.at(DAY).local).query(real)[0]
-    painted, ramp = wrong.at(1.0).colors[:, :3], Colors(clip).color_scale(ERROR).colors()
+    painted, ramp = wrong.at(1.0).colors[:, :3], Colors(clip).value_range(ERROR).colors()
     assert (painted[missed >= 3.0] == ramp[-1]).all()
     assert np.abs(painted[missed < 0.005].astype(int) - ramp[0]).max() <= 2
 
     stage, size, camera = Viewports(context, [clip]), (160, 120), Camera.home(clip, 4 / 3)
     pictures = []
-    for pane in (Pane(0, DAY, camera), Pane(0, DAY, camera, left_out=0)):
+    for pane in (Pane(0, DAY, camera), Pane(0, DAY, camera, held_out_index=0)):
         for style in (Style(), ERROR):
-            stage.paint(size, [pane], style, Detail(), None)
+            stage.draw(size, [pane], style, Detail(), None)
             pictures.append(window_pixels(context, stage, size).tobytes())
     stage.release()
     assert len(set(pictures)) == 4
@@ -166,7 +166,7 @@ def test_a_clip_without_a_scan_left_out_says_how_to_get_one(
     assert "bake it with --holdout 2" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["p.gclip"]
     with pytest.raises(PlayerError, match="left out"):
-        Colors(clip).color_scale(ERROR)
+        Colors(clip).value_range(ERROR)
     scene = Scene(Timeline.of([0.0, 2.0]), Camera(), Camera(), Style(), (clip,))
     told = keys.ACTIONS["color"].choose(scene, ColorMode.ERROR)
     assert told.style == scene.style

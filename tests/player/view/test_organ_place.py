@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from corrections.provenance import baked_corrections
 from gclip import Clip
 from player.view.camera import Camera
 from player.view.organ_place import organ_place
-from player.window.opened_clip import baked_corrections
 from tests.player.shown import small_clip
 
 FORGED = [10**400, "x", float("nan"), float("inf"), [], {}]

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from gclip import ScanMark
-from player.view.dates import date_at, elapsed, short_dates
-from player.view.playback import REST, SPEEDS, AtEnd, Timeline
+from player.view.playback import END_PAUSE, SPEEDS, AtEnd, Timeline
+from traits.dates import date_at, elapsed, short_dates
 
 TIMES = st.lists(
     st.floats(-1e4, 1e4, allow_nan=False).map(lambda time: round(time, 2)),
@@ -57,14 +57,14 @@ def test_a_stopped_clock_stands() -> None:
 def test_loop_rests_at_the_end_then_starts_over() -> None:
     clock = Timeline.of([0.0, 4.0]).played()  # one day a second
     assert clock.tick(4.0).day == 4.0
-    assert clock.tick(4.0 + 0.9 * REST).day == 4.0
-    assert clock.tick(4.0 + REST + 1.0).day == pytest.approx(1.0)
+    assert clock.tick(4.0 + 0.9 * END_PAUSE).day == 4.0
+    assert clock.tick(4.0 + END_PAUSE + 1.0).day == pytest.approx(1.0)
 
 
 def test_ping_pong_comes_back_the_same_way() -> None:
     clock = replace(Timeline.of([0.0, 4.0]), at_end=AtEnd.PING_PONG).played()
-    assert clock.tick(4.0 + REST + 1.0).day == pytest.approx(3.0)
-    assert clock.tick(8.0 + 2 * REST + 1.0).day == pytest.approx(1.0)
+    assert clock.tick(4.0 + END_PAUSE + 1.0).day == pytest.approx(3.0)
+    assert clock.tick(8.0 + 2 * END_PAUSE + 1.0).day == pytest.approx(1.0)
 
 
 def test_stop_stops_and_play_starts_over() -> None:

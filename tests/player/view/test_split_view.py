@@ -9,7 +9,12 @@ from gclip import Clip
 from player.view.camera import Camera
 from player.view.choices import Compare
 from player.view.playback import Timeline
-from player.view.split_view import matched_day, paired_homes, panes_of, transferred
+from player.view.split_view import (
+    corresponding_day,
+    paired_home_cameras,
+    panes_of,
+    transferred_camera,
+)
 from player.view.state import Scene
 from player.view.style import Style
 from tests.player.conftest import ClipMaker
@@ -31,7 +36,7 @@ def test_the_nearest_scan_stands_beside_the_day(make_clip: ClipMaker) -> None:
     assert len(panes_of(scene_of(clip, 1.0, Compare.OFF), ["a"])) == 1
     wiped = replace(scene_of(clip, 1.0, Compare.WIPE), wipe=0.3)
     left, right = panes_of(wiped, ["a"])
-    assert (left.right, right.left, left.own) == (0.3, 0.3, False)
+    assert (left.right, right.left, left.is_whole) == (0.3, 0.3, False)
 
 
 def delayed(clip: Clip, days: float) -> Clip:
@@ -43,10 +48,10 @@ def delayed(clip: Clip, days: float) -> Clip:
 def test_days_of_two_series(make_clip: ClipMaker) -> None:
     clip = make_clip()
     later, next_year = delayed(clip, 1.0), delayed(clip, 365.0)
-    assert matched_day(clip, later, 3.0) == 3.0
-    assert matched_day(clip, later, 0.0) == 1.0
-    assert matched_day(clip, next_year, 3.0) == 368.0
-    assert matched_day(next_year, clip, 368.0) == 3.0
+    assert corresponding_day(clip, later, 3.0) == 3.0
+    assert corresponding_day(clip, later, 0.0) == 1.0
+    assert corresponding_day(clip, next_year, 3.0) == 368.0
+    assert corresponding_day(next_year, clip, 368.0) == 3.0
 
 
 def test_the_same_plant_is_seen_from_the_same_place(make_clip: ClipMaker) -> None:
@@ -54,14 +59,14 @@ def test_the_same_plant_is_seen_from_the_same_place(make_clip: ClipMaker) -> Non
     moved = replace(clip, origin=(5.0, 0.0, 0.0))
     homes = (Camera.home(clip), Camera.home(moved))
     camera = homes[0].orbit(0.4, 0.1).pan(0.1, 0.2)
-    seen = transferred(camera, *paired_homes((clip, moved), homes))
+    seen = transferred_camera(camera, *paired_home_cameras((clip, moved), homes))
     assert np.allclose(seen.eye + moved.origin, camera.eye + clip.origin)
 
 
 def test_another_plant_is_seen_from_its_own_side_at_the_same_scale(make_clip: ClipMaker) -> None:
     first, second = make_clip(), replace(make_clip(up="y"), origin=(9000.0, 0.0, 0.0))
-    home, other = paired_homes((first, second), (Camera.home(first), Camera.home(second)))
-    seen = transferred(home, home, other)
+    home, other = paired_home_cameras((first, second), (Camera.home(first), Camera.home(second)))
+    seen = transferred_camera(home, home, other)
     assert seen.up == "y"
     assert seen.distance == home.distance
     assert np.allclose(seen.target, other.target)

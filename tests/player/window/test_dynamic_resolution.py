@@ -10,8 +10,8 @@ from player.view.choices import Compare
 from player.view.split_view import panes_of
 from player.window.dynamic_resolution import (
     BUDGET,
-    FEWEST,
-    PLENTY,
+    MIN_MOVERS,
+    MIN_PIXELS,
     STEP,
     STEPS,
     Detail,
@@ -29,43 +29,43 @@ LEAST = STEP**STEPS
 def test_a_fast_machine_keeps_every_pixel() -> None:
     pace = DynamicResolution()
     for _ in range(100):
-        pace.frame_took(1 / 60)
+        pace.record_frame(1 / 60)
     assert pace.detail(HUGE) == Detail()
 
 
 def test_a_slow_machine_draws_less_and_recovers() -> None:
     pace = DynamicResolution()
     for _ in range(100):
-        pace.frame_took(3 * BUDGET)
+        pace.record_frame(3 * BUDGET)
     assert pace.detail(HUGE) == Detail(LEAST)
     for _ in range(100):
-        pace.frame_took(0.1 * BUDGET)
+        pace.record_frame(0.1 * BUDGET)
     assert pace.detail(HUGE) == Detail()
 
 
 def test_of_very_many_movers_some_are_left_out_before_pixels_are() -> None:
-    pace, seen = DynamicResolution(10 * FEWEST), [Detail()]
+    pace, seen = DynamicResolution(10 * MIN_MOVERS), [Detail()]
     for _ in range(100):
-        pace.frame_took(3 * BUDGET)
+        pace.record_frame(3 * BUDGET)
         if pace.detail(HUGE) != seen[-1]:
             seen.append(pace.detail(HUGE))
-    assert [detail.every for detail in seen] == [1, 2, 4, 8, 8, 8, 8]
-    assert [detail.pixels for detail in seen[:5]] == [1.0] * 4 + [0.8]
+    assert [detail.stride for detail in seen] == [1, 2, 4, 8, 8, 8, 8]
+    assert [detail.resolution for detail in seen[:5]] == [1.0] * 4 + [0.8]
 
 
 def test_a_small_window_is_always_drawn_in_full() -> None:
     pace = DynamicResolution()
     for _ in range(100):
-        pace.frame_took(3 * BUDGET)
+        pace.record_frame(3 * BUDGET)
     assert pace.detail((640, 480)) == Detail()
-    assert pace.detail((1280, 720)).pixels ** 2 * 1280 * 720 >= 0.999 * PLENTY
+    assert pace.detail((1280, 720)).resolution ** 2 * 1280 * 720 >= 0.999 * MIN_PIXELS
 
 
 def test_one_slow_picture_changes_nothing() -> None:
     pace = DynamicResolution()
     for _ in range(20):
-        pace.frame_took(3 * BUDGET)
-        pace.frame_took(0.7 * BUDGET)
+        pace.record_frame(3 * BUDGET)
+        pace.record_frame(0.7 * BUDGET)
     assert pace.detail(HUGE) == Detail()
 
 
@@ -73,7 +73,7 @@ def test_one_slow_picture_changes_nothing() -> None:
 def test_the_detail_settles_when_the_cost_follows_the_pixels(cost: float) -> None:
     pace, seen = DynamicResolution(), []
     for _ in range(200):
-        pace.frame_took(cost * BUDGET * pace.detail(HUGE).pixels ** 2)
+        pace.record_frame(cost * BUDGET * pace.detail(HUGE).resolution ** 2)
         seen.append(pace.detail(HUGE))
     assert len(set(seen[100:])) == 1
 
@@ -88,7 +88,7 @@ def test_fewer_pixels_show_the_same_picture_over_the_whole_window(
     panes = panes_of(scene, ["plant"])
     viewports, pictures = Viewports(context, [clip]), []
     for pixels in (1.0, detail):
-        viewports.paint(size, panes, scene.style, Detail(pixels), None)
+        viewports.draw(size, panes, scene.style, Detail(pixels), None)
         pictures.append(window_pixels(context, viewports, size))
     apart = np.abs(pictures[0] - pictures[1])
     assert 0.0 < apart.mean() < 4.0

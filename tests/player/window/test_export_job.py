@@ -11,11 +11,11 @@ import pytest
 
 import gclip
 from player.export.film import Film
-from player.output_names import free_name
+from player.output_names import unused_path
 from player.view.camera_animation import load_path
-from player.view.choices import Wish
-from player.view.state import Exporting
-from player.window.export_job import Exports
+from player.view.choices import Request
+from player.view.state import ExportProgress
+from player.window.export_job import ExportJob
 from player.window.opened_clip import OpenClip
 from tests.player.conftest import ClipMaker
 from tests.player.desk import scene_of
@@ -30,16 +30,16 @@ def saved(make_clip: ClipMaker, tmp_path: Path) -> Path:
     return tmp_path / "plant.gclip"
 
 
-def begun_export(*job: Any) -> Exports:
-    exports = Exports()
+def begun_export(*job: Any) -> ExportJob:
+    exports = ExportJob()
     exports.begin(*job)
     return exports
 
 
-def ended(exports: Exports) -> str:
+def ended(exports: ExportJob) -> str:
     scene = scene_of(small_clip())
     deadline = time.monotonic() + 120.0
-    while not (scene := exports.followed(scene)).notice:
+    while not (scene := exports.with_progress(scene)).notice:
         assert time.monotonic() < deadline
         time.sleep(0.05)
     return scene.notice
@@ -72,10 +72,10 @@ def test_a_stopped_one_leaves_nothing(saved: Path) -> None:
 
 
 def test_a_picture_waits_for_the_export_under_way(saved: Path) -> None:
-    exports, scene = Exports(), scene_of(small_clip())
-    exports.state = Exporting("film.mp4", 1, 2)
-    asked = replace(scene, wish=Wish.PICTURE)
-    told = exports.granted(asked, OpenClip.of(saved), (640, 480))
+    exports, scene = ExportJob(), scene_of(small_clip())
+    exports.state = ExportProgress("film.mp4", 1, 2)
+    asked = replace(scene, request=Request.PICTURE)
+    told = exports.handle_request(asked, OpenClip.from_file(saved), (640, 480))
     assert told == replace(scene, notice="film.mp4 is being exported; E stops it.")
 
 
@@ -83,10 +83,10 @@ def test_a_camera_key_is_added_to_those_in_the_file(
     saved: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(saved.parent)
-    scene, opened = scene_of(gclip.open(saved)), OpenClip.of(saved)
+    scene, opened = scene_of(gclip.open(saved)), OpenClip.from_file(saved)
     for day in (0.0, 5.0, 5.0):  # each time as if the window had just opened
-        asked = replace(scene, wish=Wish.CAMERA_KEY, timeline=scene.timeline.at(day))
-        told = Exports().granted(asked, opened, (640, 480))
+        asked = replace(scene, request=Request.CAMERA_KEY, timeline=scene.timeline.at(day))
+        told = ExportJob().handle_request(asked, opened, (640, 480))
     kept = load_path(saved.parent / "plant.camera.json", opened.clip)
     for path in (told.path, kept):
         assert [day for day, _ in path.keys] == [0.0, 5.0]
@@ -97,12 +97,12 @@ def test_one_whose_window_was_killed_leaves_nothing_either(saved: Path) -> None:
 import sys, time
 from pathlib import Path
 from player.export.film import Film
-from player.output_names import free_name
-from player.window.export_job import Exports
+from player.output_names import unused_path
+from player.window.export_job import ExportJob
 if __name__ == "__main__":
     folder = Path({str(saved.parent)!r})
     film = Film(size=(640, 480), seconds=600.0)
-    exports = Exports()
+    exports = ExportJob()
     exports.begin(folder / "plant.gclip", film, folder / "out.mp4")
     time.sleep(600)
 """
@@ -117,10 +117,10 @@ if __name__ == "__main__":
 
 
 def test_names_are_free_and_plain(tmp_path: Path) -> None:
-    assert free_name("a plant/x", "film.mp4", tmp_path).name == "a-plant-x.mp4"
+    assert unused_path("a plant/x", "film.mp4", tmp_path).name == "a-plant-x.mp4"
     (tmp_path / "p.mp4").touch()
-    assert free_name("p", "film.mp4", tmp_path).name == "p-2.mp4"
-    assert free_name("p", "frames/%04d.png", tmp_path) == tmp_path / "p-frames" / "%04d.png"
+    assert unused_path("p", "film.mp4", tmp_path).name == "p-2.mp4"
+    assert unused_path("p", "frames/%04d.png", tmp_path) == tmp_path / "p-frames" / "%04d.png"
     (tmp_path / "p-frames").mkdir()
-    assert free_name("p", "frames/%04d.png", tmp_path).parent.name == "p-2-frames"
-    assert free_name("...", "plant.html", tmp_path).name == "plant.html"
+    assert unused_path("p", "frames/%04d.png", tmp_path).parent.name == "p-2-frames"
+    assert unused_path("...", "plant.html", tmp_path).name == "plant.html"

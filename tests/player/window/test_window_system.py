@@ -17,9 +17,9 @@ from player.view.camera import Camera
 from player.view.playback import Timeline
 from player.view.state import Scene
 from player.view.style import Style
-from player.window.glfw_window import Measures
+from player.window.glfw_window import WindowSize
 from player.window.launch import show
-from player.window.viewports import ABOVE, BELOW, fitted, home_camera
+from player.window.viewports import TIMELINE_HEIGHT, TITLE_HEIGHT, home_camera, with_fitted_cameras
 from tests.player.shown import DENSE, SIZE, TIMES, Shown, small_clip
 
 
@@ -106,17 +106,17 @@ def test_no_display_is_refused_in_one_sentence(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_measures_of_a_dense_display() -> None:
-    windows = Measures((1600, 900), (1600, 900), 2.0)  # cursor in pixels
+    windows = WindowSize((1600, 900), (1600, 900), 2.0)  # cursor in pixels
     assert windows.units == (800.0, 450.0)
     assert windows.to_units(1600.0, 450.0) == (800.0, 225.0)
-    mac = Measures((800, 450), (1600, 900), 2.0)  # cursor in units
+    mac = WindowSize((800, 450), (1600, 900), 2.0)  # cursor in units
     assert mac.units == (800.0, 450.0)
     assert mac.to_units(400.0, 450.0) == (400.0, 450.0)
 
 
 def test_a_minimised_window_is_not_visible() -> None:
-    assert not Measures((0, 0), (0, 0), 1.0).visible
-    assert Measures((10, 10), (20, 20), 2.0).visible
+    assert not WindowSize((0, 0), (0, 0), 1.0).visible
+    assert WindowSize((10, 10), (20, 20), 2.0).visible
 
 
 def test_side_by_side_and_back_keeps_what_is_seen_of_the_plant() -> None:
@@ -125,11 +125,11 @@ def test_side_by_side_and_back_keeps_what_is_seen_of_the_plant() -> None:
     first = Scene(
         Timeline.of(clip.times), camera.zoom(1.5).orbit(0.3, 0.0), camera, Style(), (clip,)
     )
-    beside = fitted(first, (150.0, 700.0))
+    beside = with_fitted_cameras(first, (150.0, 700.0))
     assert beside.camera.distance / beside.home.distance == pytest.approx(1 / 1.5)
     assert beside.camera.distance > first.camera.distance, "farther, to be seen whole"
     assert beside.camera.yaw == pytest.approx(first.camera.yaw)
-    back = fitted(beside, (1000.0, 700.0))
+    back = with_fitted_cameras(beside, (1000.0, 700.0))
     assert back.camera.distance == pytest.approx(first.camera.distance)
 
 
@@ -138,10 +138,10 @@ def test_a_plot_over_the_timeline_hides_nothing_of_the_plant(turn: float) -> Non
     clip, size, plot = small_clip(), (1000.0, 700.0), 96.0
     home = home_camera(clip, size)
     first = Scene(Timeline.of(clip.times), home.orbit(turn, 0.0), home, Style(), (clip,))
-    raised = fitted(first, size, plot)
+    raised = with_fitted_cameras(first, size, plot)
     lower, higher = (_lowest(clip, scene.camera, size) for scene in (first, raised))
     assert higher - lower == pytest.approx(plot, abs=15.0)
-    back = fitted(raised, size)
+    back = with_fitted_cameras(raised, size)
     assert back.camera.distance == pytest.approx(first.camera.distance)
     assert back.camera.target == pytest.approx(first.camera.target)
 
@@ -162,5 +162,5 @@ def test_home_shows_the_plant_between_titles_and_timeline(size: tuple[int, int])
         corners = np.c_[clip.at(day).local, np.ones(200)] @ matrix.T
         x, y = (corners[:, :2] / corners[:, 3:]).T
         assert np.abs(x).max() <= 1.0
-        assert ((1 - y) / 2 * height).min() >= min(ABOVE, 0.3 * height) - 0.01 * height
-        assert ((1 + y) / 2 * height).min() >= min(BELOW, 0.38 * height) - 0.01 * height
+        assert ((1 - y) / 2 * height).min() >= min(TITLE_HEIGHT, 0.3 * height) - 0.01 * height
+        assert ((1 + y) / 2 * height).min() >= min(TIMELINE_HEIGHT, 0.38 * height) - 0.01 * height

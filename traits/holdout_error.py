@@ -1,4 +1,4 @@
-"""How far a clip is from the scans that it was baked without (`bake --holdout`), as colours."""
+"""Distances between a clip and the scans that it was baked without (`bake --holdout`)."""
 
 from dataclasses import replace
 
@@ -10,8 +10,14 @@ from gclip.evaluate import evaluate_layer, layers_at, locate
 
 
 def holdout_errors(clip: Clip) -> list[NDArray[np.float64]]:
-    """Of each interval's movers, (N,), the distances to the nearest point of the scan that was left
-    out there, at its own time; NaN where the mover is no part of the plant then, or none was.
+    """Distances of movers from held-out scans.
+
+    Returns
+    -------
+    list of (N,) float64 ndarray
+        For each mover of each interval the distance to the nearest point of the scan that was held
+        out in that interval, at the time of that scan. NaN if there is no such scan, or the mover
+        is not part of the plant at that time.
     """
     from scipy.spatial import cKDTree
 
@@ -25,17 +31,28 @@ def holdout_errors(clip: Clip) -> list[NDArray[np.float64]]:
     return errors
 
 
-def held_out_as_clip(clip: Clip, number: int) -> tuple[Clip, NDArray[np.float64]]:
-    """A scan that was left out, by its number, as a clip that stands still: to be seen beside the
-    state that was rebuilt. Each of its points has the organ and the colour of the nearest mover;
-    the distances to it tell what the clip lacks.
+def held_out_as_clip(clip: Clip, index: int) -> tuple[Clip, NDArray[np.float64]]:
+    """Make a clip of one interval without motion from a held-out scan.
+
+    Parameters
+    ----------
+    clip : gclip.Clip
+    index : int
+        Of the scan in ``clip.held_out``.
+
+    Returns
+    -------
+    clip : gclip.Clip
+        Each point has the track and the colour of the nearest mover.
+    distances : (N,) float64 ndarray
+        From each point to that mover.
     """
     from scipy.spatial import cKDTree
 
-    scan = clip.held_out[number]
+    scan = clip.held_out[index]
     frame = clip.at(scan.time)
-    missed, nearest = cKDTree(frame.local).query(scan.positions)
-    paint = frame.colors[nearest] if clip.has_colors else None
+    distances, nearest = cKDTree(frame.local).query(scan.positions)
+    colors = frame.colors[nearest] if clip.has_colors else None
     interval = Interval(
         start=clip.times[0],
         end=clip.times[-1],
@@ -43,8 +60,8 @@ def held_out_as_clip(clip: Clip, number: int) -> tuple[Clip, NDArray[np.float64]
         groups=(Group(0, len(scan.positions), Motion.MOVE),),
         curve=(scan.positions, scan.positions),
         tracks=np.asarray(frame.tracks)[nearest].astype(np.uint32),
-        start_colors=paint,
-        end_colors=paint,
+        start_colors=colors,
+        end_colors=colors,
     )
     ends = tuple(replace(clip.scans[end], points=len(scan.positions)) for end in (0, -1))
-    return replace(clip, scans=ends, intervals=(interval,), fields=(), held_out=()), missed
+    return replace(clip, scans=ends, intervals=(interval,), fields=(), held_out=()), distances
