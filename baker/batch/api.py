@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from baker.errors import InputError
 from baker.options import Options, parse_corrections
-from baker.pipeline import Progress, bake_recorded
+from baker.pipeline import Progress, bake_with_survey
 from corrections import Correction
 from gclip import Clip
 
@@ -81,7 +81,7 @@ def bake(
         choices = {"label_field": "label"} | choices  # labels that are given are never doubted
     options = replace(options or Options(), **choices)
     with _scan_files(scans, attributes) as paths:
-        return bake_recorded(paths, options, progress, times=times)[0]
+        return bake_with_survey(paths, options, progress, times=times)[0]
 
 
 @contextmanager

@@ -14,7 +14,7 @@ import gclip
 from baker.batch.cache import Cache
 from baker.interpolation.provenance import software
 from baker.options import Options, Outputs, parse_corrections
-from baker.pipeline import Progress, bake_recorded
+from baker.pipeline import Progress, bake_with_survey
 from baker.report.page import write_report
 from baker.report.verification import HoldoutError, verify
 from baker.scans import Finding
@@ -102,10 +102,10 @@ def bake_into(
     """Bake a plant, write its clip and report, and compare it with the scans held out.
 
     inputs: a folder of scans, or the scans' files; cache: keeps the solved intervals; `options`,
-    `progress`, `announce`: as in `bake_recorded`.
+    `progress`, `announce`: as in `bake_with_survey`.
     """
     solve = cache.solve_intervals if cache else None
-    clip, survey = bake_recorded(inputs, options, progress, solve, announce=announce)
+    clip, survey = bake_with_survey(inputs, options, progress, solve, announce=announce)
     progress("writing", 0, 1)
     clip.save(outputs.clip, outputs.force)  # another bake may have been faster
     progress("writing", 1, 1)

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.neighbors import Neighbors, blocks
 
+# docs/method.md, "Density".
 PLANAR_RATIO = 1.5  # greatest area : spread of a neighbourhood; it is higher on a thin rod
 MAX_AREA_QUANTILE = 0.98  # of the areas of all points, to which larger ones are reduced
 
@@ -48,7 +49,8 @@ def covariances(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[n
     for part in blocks(len(points)):
         nearest = neighbors.indices[part].T.copy()  # (k, n), contiguous
         count = len(nearest) + 1
-        offsets = [axis.take(nearest) - axis[part] for axis in columns]  # that of the point is 0
+        # The point itself counts, too, with the offset 0.
+        offsets = [axis.take(nearest) - axis[part] for axis in columns]
         sums = [axis.sum(axis=0) for axis in offsets]
         for element, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))):
             products = np.einsum("kn,kn->n", offsets[i], offsets[j])
@@ -113,7 +115,7 @@ def surface_normals(covariance: NDArray[np.float64], neighbors: Neighbors) -> ND
     codes = np.zeros((count, 2), np.uint8)
     if k < 3:
         return codes
-    rows = np.ascontiguousarray(covariance.T)  # multiplied at once, in half the time
+    rows = np.ascontiguousarray(covariance.T)  # one product of all elements takes half the time
     for part in blocks(count):
         nearest = neighbors.indices[part]
         begins = np.arange(0, nearest.size + 1, k)

@@ -33,7 +33,7 @@ def organ_colors(count: int) -> list[tuple[int, int, int]]:
     return colors[:count]
 
 
-def painted(
+def with_colors(
     keyframes: Sequence[Keyframe],
     scans: Sequence[Scan],
     hierarchies: Sequence[Hierarchy],

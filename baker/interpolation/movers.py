@@ -93,7 +93,7 @@ def _shifts(organs: Sequence[OrganPaths], scan: Hierarchy) -> Floats:
     for each in organs:
         carried |= each.carried
     shifts: dict[int, Floats] = {NO_PARENT: np.zeros(3)}  # segment -> sum along its ancestors
-    for segment in scan.from_the_root():
+    for segment in scan.parents_first():
         own = carried.get(scan.organs[segment], np.zeros(3))
         shifts[segment] = shifts[scan.parents[segment]] + own
     by_organ = {organ: shifts[segment] for segment, organ in enumerate(scan.organs)}

@@ -130,7 +130,7 @@ def organ_shapes(
 
     shapes: dict[int, OrganShape] = {}
     needed = {each for segment in segments for each in (segment, *hierarchy.ancestors(segment))}
-    for segment in hierarchy.from_the_root():
+    for segment in hierarchy.parents_first():
         members, parent = hierarchy.segments[segment], hierarchy.parents[segment]
         organ = hierarchy.organs[segment]
         contact = base[None] if parent == NO_PARENT else attachments.get(organ)

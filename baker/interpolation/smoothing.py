@@ -47,7 +47,7 @@ def smooth_organs(
         smoothed, hierarchies, middles, rotations, strict=True
     ):
         motions = {NO_PARENT: (np.eye(3), np.zeros(3))}
-        for segment in hierarchy.from_the_root():
+        for segment in hierarchy.parents_first():
             rotation, shift = motions[hierarchy.parents[segment]]
             organ, members = hierarchy.organs[segment], hierarchy.segments[segment]
             if organ in turned:

@@ -14,17 +14,18 @@ from baker.geometry.parallel import MapLike
 from baker.segmentation.organ_classification import STEM, blade_scores, organs_of_nodes
 from baker.segmentation.reeb_graph import PlantSample, ReebTree, reeb_tree, sample_plant
 
-MAX_DISTANCE = 2.0  # from a point to the next scan's, in stem diameters, where its weight is 0
+# docs/method.md, "Organs without labels".
+MAX_DISTANCE = 2.0  # stem diameters to the next scan, at which its weight is 0
 NEXT_WEIGHT = 0.5  # greatest weight of the next scan; that of the scan itself is 1
 MIN_TOUCHING_SHARE = 0.4  # of the points of a strip, except for its base, that touch its organ
-MAX_GAP = 3.0  # between points that touch, in point spacings
-BASE_LENGTH = 2.0  # of an organ's base, in level sets
+MAX_GAP = 3.0  # point spacings between points that touch
+BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of a level set
 
 
 def segment_organs(
     clouds: Sequence[NDArray[np.floating]], bases: Sequence[int], map: MapLike = map
 ) -> list[NDArray[np.int64]]:
-    """Segment the scans of a plant into organs.
+    """Segment the scans of a plant into organs by their shape.
 
     Parameters
     ----------
@@ -63,7 +64,7 @@ def _prepare(
 def _scores_from_next(
     sample: PlantSample, following: PlantSample, organ: NDArray[np.intp]
 ) -> NDArray[np.float64]:
-    """(n,) blade scores of the points of a scan, from the organs of the following scan there."""
+    """(n,) blade scores of the points of a scan, from the nearest organs of the following scan."""
     from scipy.spatial import KDTree
 
     distance, nearest = KDTree(following.points).query(sample.points)
@@ -72,26 +73,38 @@ def _scores_from_next(
 
 
 def merge_strips(sample: PlantSample, organ: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Merge organs that touch another one along most of their length, the smallest first.
+    """Merge organs that touch another organ along most of their length, the smallest first.
 
-    Such organs are strips of the other one: in sparse scans, a blade or stem with a gap seems to
-    fork there. Other organs touch their parent only at the base.
+    Such an organ is a strip of the one it touches: in sparse scans, a blade or stem with a gap
+    seems to fork there. Separate organs touch their parent only at the base.
 
-    organ: (n,) of each point of the sample; 0 is the stem.
+    Parameters
+    ----------
+    sample : PlantSample
+        Of n points.
+    organ : (n,) intp ndarray
+        Of each point; 0 is the stem.
+
+    Returns
+    -------
+    (n,) intp ndarray
     """
-    near, organ = sample.graph.copy(), organ.copy()
-    near.data = (near.data <= MAX_GAP * sample.spacing).astype(np.float64)
-    near = near + near.T
+    adjacency, organ = sample.graph.copy(), organ.copy()
+    adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)
+    adjacency = adjacency + adjacency.T
     while True:
-        is_of = np.eye(organ.max() + 1)[organ]  # (n, m)
+        is_of = np.eye(organ.max() + 1)[organ]  # (n, m) indicators of m organs
         base = np.where(is_of > 0.0, sample.distance[:, None], np.inf).min(axis=0)
         is_beyond = sample.distance > base[organ] + BASE_LENGTH * sample.thickness
-        size, beyond = is_of.sum(axis=0), is_of[is_beyond].sum(axis=0)
-        touching = is_of[is_beyond].T @ (near @ is_of > 0.0)[is_beyond]  # points of one at another
-        is_strip = (touching > MIN_TOUCHING_SHARE * beyond[:, None]) & (beyond[:, None] <= size)
+        size, beyond_size = is_of.sum(axis=0), is_of[is_beyond].sum(axis=0)
+        # (m, m) number of points of the row's organ that touch the column's
+        touching = is_of[is_beyond].T @ (adjacency @ is_of > 0.0)[is_beyond]
+        is_strip = (touching > MIN_TOUCHING_SHARE * beyond_size[:, None]) & (
+            beyond_size[:, None] <= size
+        )
         is_strip[STEM] = False
         np.fill_diagonal(is_strip, False)
         if not is_strip.any():
             return organ
-        smallest = np.where(is_strip.any(axis=1), beyond, np.inf).argmin()
+        smallest = np.where(is_strip.any(axis=1), beyond_size, np.inf).argmin()
         organ[organ == smallest] = is_strip[smallest].argmax()

@@ -117,13 +117,13 @@ def test_the_unit_of_the_scans_does_not_matter(labels, options, tmp_path):
 
 def test_a_plant_of_one_point_is_verified_reported_and_measured(tmp_path):
     from baker import Options
-    from baker.pipeline import bake_recorded
+    from baker.pipeline import bake_with_survey
     from baker.report.page import write_report
     from baker.report.verification import verify
     from traits.plants import write_traits
 
     point = Scan("same point", 1)
-    clip, record = bake_recorded(
+    clip, record = bake_with_survey(
         Series((point, point, point)).write(tmp_path), Options(holdout=2, workers=1)
     )
     errors = verify(clip)
