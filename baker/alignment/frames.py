@@ -60,8 +60,8 @@ def frame_finding(
     later = zip(names[1:], fit.curves, fit.yaw_indices, fit.gains, strict=True)
     if stays.any():
         registered = [name for name, stay in zip(names, stays, strict=True) if not stay]
-        but = f", but for {', '.join(registered)}, brought onto the others"
-        description = f"the scans share a frame{but if registered else ' and stay as they are'}"
+        rest = f", but for {', '.join(registered)}, brought onto the others"
+        description = f"the scans share a frame{rest if registered else ' and stay as they are'}"
         doubts += [
             f"{name} would fit the scan before better turned by {wrapped(YAWS[index]):.0f} degrees"
             for name, _, index, gain in later

@@ -84,7 +84,7 @@ def common_base(
 
 
 def _base_near(position: Points, points: Points, radius: float, vertical: Vertical) -> Points:
-    """(3,) base at the lowest points near the vertical through a position; NaN if it is not near."""
+    """(3,) base at the lowest points near the vertical through a position; NaN if far from it."""
     nearby = points[np.linalg.norm(vertical.at_height(points - position, 0.0), axis=1) <= radius]
     if not len(nearby) or abs(vertical.height(nearby - position).min()) > radius:
         return np.full(3, np.nan)

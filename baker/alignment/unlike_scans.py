@@ -45,13 +45,10 @@ def unlike_scans(samples: Sequence[EvenSample], transforms: NDArray[np.float64])
     excess = np.zeros(count)
     for k in range(int(count == 2), count):
         adjacent = [j for j in range(count) if 0 < abs(j - k) <= SCANS_AROUND]
-        usual = (
-            np.nanmean(dissimilarity[np.ix_(adjacent, adjacent)])
-            if count > 2
-            else USUAL_DISSIMILARITY
-        )
+        among = dissimilarity[np.ix_(adjacent, adjacent)]
+        usual = np.nanmean(among) if count > 2 else USUAL_DISSIMILARITY
         excess[k] = dissimilarity[k, adjacent].mean() - usual
-    # The scans next to an unlike one have an excess, too, but a smaller one.
+    # The neighbours of an unlike scan have an excess, too, but a smaller one.
     is_peak = [excess[k] == excess[max(k - 1, 0) : k + 2].max() for k in range(count)]
     unlike = [samples[k].name for k in range(count) if is_peak[k] and excess[k] > MAX_EXCESS]
     if not unlike:

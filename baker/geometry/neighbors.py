@@ -95,7 +95,7 @@ def blocks(count: int) -> list[slice]:
 
 
 def point_spacing(points: NDArray[np.floating]) -> float:
-    """Median distance from (N, 3) points to their nearest neighbours, in their unit; 0 for N < 2."""
+    """Median distance from (N, 3) points to their nearest neighbours; 0 for N < 2."""
     return nearest_neighbors(points, 1).spacing if len(points) > 1 else 0.0
 
 

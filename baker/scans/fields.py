@@ -17,7 +17,8 @@ COLOR_NAMES = tuple(
     for names in ("red green blue", "diffuse_red diffuse_green diffuse_blue", "r g b", "rf gf bf")
 )
 NO_LABELS = {*"xyz", "nx", "ny", "nz", *chain.from_iterable(COLOR_NAMES)}
-# A field with another name may be labels if so many of its points have few distinct values.
+# A field of any other name may be labels if MAX_SAMPLE of its points have at most MAX_VALUES
+# distinct values.
 MAX_SAMPLE, MAX_VALUES = 2_000, 200
 
 
@@ -39,8 +40,8 @@ def choose_fields(
     label_names = [label_field] if label_field is not None and use_labels else []
     missing = [name for name in [*"xyz", *label_names, *carried] if name.lower() not in by_name]
     if missing:
-        found = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
-        raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {found}.")
+        known_names = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
+        raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {known_names}.")
     used = [by_name[axis] for axis in "xyz"]
     points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
     note = f"positions from {excerpt(', '.join(used))}"

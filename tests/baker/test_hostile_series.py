@@ -127,7 +127,7 @@ def test_a_plant_of_one_point_is_verified_reported_and_measured(tmp_path):
         Series((point, point, point)).write(tmp_path), Options(holdout=2, workers=1)
     )
     errors = verify(clip)
-    assert [error.both[0].maximum for error in errors] == [0.0]
+    assert [error.distances[0].maximum for error in errors] == [0.0]
     write_traits(tmp_path / "traits.csv", clip, "plant", lambda stage, done, total: None)
     write_report(
         tmp_path / "report.html",

@@ -56,7 +56,7 @@ def baked(tmp_path):
             bake_with_survey([*scans], options)[0].save(tmp_path / "clean.gclip")
             clean_bytes = (tmp_path / "clean.gclip").read_bytes()
             assert (tmp_path / "cached.gclip").read_bytes() == clean_bytes
-        return cache.found, cache.solved
+        return cache.read, cache.solved
 
     return bake
 

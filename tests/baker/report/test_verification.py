@@ -51,7 +51,7 @@ def test_an_even_shift_is_reconstructed_at_the_scans_time(shifted):
     clip, _ = bake_with_survey([shifted], WHOLE)
     (error,) = verify(clip)
     assert (error.name, error.date, error.points) == ("day1.xyz", "day 1", 400)
-    for distances in error.both:
+    for distances in error.distances:
         assert distances.maximum < 1e-3  # at another time than day 1: 0.5
 
 
@@ -60,10 +60,10 @@ def test_distances_are_those_to_the_nearest_point(shifted):
     np.savetxt(shifted / "day1.xyz", np.vstack([far, [[30.0, 1.0, 1.5]]]), fmt="%.6f")
     clip, _ = bake_with_survey([shifted], WHOLE)
     (error,) = verify(clip)
-    assert error.both[0].maximum < 1e-3, "nothing was made up"
+    assert error.distances[0].maximum < 1e-3, "nothing was made up"
     real = np.loadtxt(shifted / "day1.xyz")
     missed = cKDTree(clip.at(1.0).positions).query(real)[0]
-    distances = error.both[1]
+    distances = error.distances[1]
     assert distances.maximum == pytest.approx(missed.max(), rel=1e-4)
     assert distances.mean == pytest.approx(missed.mean(), rel=1e-3)
     assert distances.deviation == pytest.approx(missed.std(), rel=1e-3)
@@ -77,7 +77,7 @@ def test_figures_are_in_the_unit_of_the_scans(write_scans):
         np.savetxt(large / path.name, np.loadtxt(path) * [1000, 1000, 1000, 1], fmt="%.4f")
     options = replace(PLAIN, holdout=2)
     errors = [verify(bake_with_survey([f], options)[0])[0] for f in (folder, large)]
-    small, big = (error.both[0] for error in errors)
+    small, big = (error.distances[0] for error in errors)
     assert small.mean > 1e-2
     assert big.mean == pytest.approx(1000 * small.mean, rel=1e-2)
 
@@ -109,8 +109,8 @@ def test_all_together(write_scans):
     clip, _ = bake_with_survey([write_scans(days=range(5))], replace(PLAIN, holdout=2))
     errors = verify(clip)
     made, missed = overall(errors)
-    assert made.mean == pytest.approx(np.mean([e.both[0].mean for e in errors]))
-    assert missed.maximum == max(e.both[1].maximum for e in errors)
+    assert made.mean == pytest.approx(np.mean([e.distances[0].mean for e in errors]))
+    assert missed.maximum == max(e.distances[1].maximum for e in errors)
 
 
 @pytest.mark.parametrize(("every", "words"), [(2, "leaves none of the 2"), (1, "at least 2")])
