@@ -29,15 +29,8 @@ SHORT: Check = (lambda text: len(text) <= 100, "one of at most 100 characters")
 def option(default: Any, help: str, check: Check | None = None, **settings: Any) -> Any:
     """Declare a dataclass field that is an option of `bake`.
 
-    Parameters
-    ----------
-    default : object
-    help : str
-        The text of `bake --help`.
-    check : Check, optional
-        By default every value is allowed or, with `min` and `max`, a number in that range.
-    **settings
-        Arguments of `typer.Option`.
+    help: the text of `bake --help`. check: of the value; by default every one is allowed or, with
+    `min` and `max`, every number in that range. settings: arguments of `typer.Option`.
     """
     if "min" in settings:
         low, high = settings["min"], settings.get("max", inf)
@@ -226,14 +219,8 @@ class Options:
     def for_series(self, fixed_frame: bool, unit: str, root: Root) -> Self:
         """Fill in the options that the user left open and that the series determines.
 
-        Parameters
-        ----------
-        fixed_frame : bool
-            Whether the scans are from a fixed camera: they share one frame with z up.
-        unit : str
-            Unit of length of the files, or "".
-        root : Root
-            The plant base that the files name.
+        fixed_frame: whether the scans are from a fixed camera: they share one frame with z up.
+        unit: of length, "" where unknown. root: "virtual" if no label is the stem of the others.
         """
         return replace(
             self,

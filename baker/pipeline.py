@@ -175,10 +175,6 @@ def survey_series(
         As in `bake_with_survey`.
     map : map-like callable
         Maps over the scans.
-
-    Returns
-    -------
-    Survey
     """
     files = [Path(path) for path in paths]
     raw = read_series(files, options, partial(progress, "reading"), map, times)

@@ -60,10 +60,6 @@ def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
     series : Series
     alignment : Alignment
         Of the same scans. Scans that it does not move stay exactly the same.
-
-    Returns
-    -------
-    list of Keyframe
     """
     keyframes = []
     scans = zip(series.scans, alignment.transforms, alignment.bases, strict=True)

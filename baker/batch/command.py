@@ -32,22 +32,10 @@ UNWRAPPED = 10**6  # width of lines that are not printed to a terminal
 def run(
     inputs: Sequence[Path], output: str, options: Options, outputs: Outputs, list_only: bool
 ) -> int:
-    """List or bake scans, folders of scans, or folders of plants, as `bake` does.
+    """List or bake scans, folders of scans, or folders of plants; return the exit code of `bake`.
 
-    Parameters
-    ----------
-    inputs : sequence of Path
-        Folders or files.
-    output : str
-        The argument of -o as it was typed, since a slash at its end means a folder.
-    options, outputs : Options, Outputs
-    list_only : bool
-        Whether to print what would be baked, instead of baking it.
-
-    Returns
-    -------
-    int
-        The exit code.
+    output: the argument of -o as it was typed, since a slash at its end means a folder. list_only:
+    whether to print what would be baked instead of baking it.
     """
     if not output and not list_only:
         raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")

@@ -128,16 +128,9 @@ def geodesic_distances(
 
 
 def chain_ends(following: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Find the last item of each item's chain by pointer jumping.
+    """(n,) last item of each item's chain, by pointer jumping.
 
-    Parameters
-    ----------
-    following : (n,) intp ndarray
-        The item that follows each item; itself at the end of a chain.
-
-    Returns
-    -------
-    (n,) intp ndarray
+    following: (n,) the item after each item, which is the item itself at the end of a chain.
     """
     while True:
         jumped = following[following]

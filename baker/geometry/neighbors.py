@@ -60,10 +60,6 @@ def nearest_neighbors(
         Number of neighbours, reduced to N - 1.
     map : map-like callable
         Maps over blocks of points, in threads.
-
-    Returns
-    -------
-    Neighbors
     """
     from scipy.spatial import KDTree
 

@@ -81,10 +81,6 @@ def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequen
     clip : Clip
     clouds, scans : sequences of (N, 3) float32 ndarray and Scan
         Aligned, relative to the clip's origin; with `scalars` of the same names.
-
-    Returns
-    -------
-    Clip
     """
     from scipy.spatial import KDTree
 

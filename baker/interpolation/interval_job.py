@@ -71,11 +71,6 @@ def interval_jobs(
     unlabelled : bool
         Whether organs were found without labels. Most lost organs are then parts of a leaf that is
         segmented differently in the next scan, so they fade instead of falling.
-
-    Returns
-    -------
-    list of IntervalJob
-        One for each interval.
     """
     is_curved = options.paths == "curved"
     spacings = [neighbors.spacing for neighbors in series.neighbors]

@@ -31,10 +31,6 @@ def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -
         The root first.
     labels : LabelUse
 
-    Returns
-    -------
-    tuple of Track
-
     Raises
     ------
     InputError
@@ -91,11 +87,6 @@ def describe_provenance(
         Of all scans; of those that were baked.
     options : Options
         As the user gave them.
-
-    Returns
-    -------
-    dict
-        Of JSON types.
     """
     baked_times = {scan.time for scan in series.scans}
     left_out = [scan.name for scan in raw.scans if scan.time not in baked_times]

@@ -24,26 +24,10 @@ def match_hierarchies(
 ) -> tuple[Hierarchy, list[tuple[int, int]]]:
     """Match the segment hierarchies of two scans from the roots down.
 
-    Parameters
-    ----------
-    points : (N, 3) and (M, 3) float ndarray
-        The aligned scans.
-    hierarchies : Hierarchy and Hierarchy
-    distance : callable
-        Of two segments, (n, 3) and (m, 3), in length units.
-    report_matched : callable
-        Called with the number of segments of the second scan that are matched or merged.
-
-    Returns
-    -------
-    merged : Hierarchy
-        The second hierarchy after merging.
-    pairs : list of (int, int)
-        Matched segments; all others are born or lost.
-
-    References
-    ----------
-    Section 3.3.1 of the paper.
+    points: (N, 3) and (M, 3). distance: of two segments, (n, 3) and (m, 3), in length units.
+    report_matched: called with the number of segments of the second scan that are matched or
+    merged. Returns the second hierarchy after merging, and the pairs of matched segments; all
+    others are born or lost.
     """
     first, second = hierarchies
     groups: dict[int, list[int]] = {}  # matched segment -> itself and the segments merged into it

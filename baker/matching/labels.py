@@ -48,7 +48,7 @@ class LabelUse:
         return self.consistent and not self.renamed
 
     @property
-    def given(self) -> list[Labels]:
+    def available(self) -> list[Labels]:
         """(N,) labels of the scans that have labels."""
         return [organs for organs in self.labels if organs is not None]
 
@@ -185,19 +185,8 @@ def label_agreement(
     It is (chance - observed) / (chance - best) for the sum of the distances between organs of the
     same label in successive scans, its mean for random labels, and its minimum, as Cohen's kappa
     counts agreement. The stem is left out if it has the same label in most scans: that is often 0
-    even if the labels of other organs are random.
-
-    Parameters
-    ----------
-    clouds, labels : sequences of (N, 3) float and (N,) int ndarray
-        Of the aligned scans that have labels.
-    root_points : sequence of int
-        Index of the point at the plant base, for each scan.
-
-    Returns
-    -------
-    float
-        At most 1; 0 if successive scans have too few labels in common.
+    even if the labels of other organs are random. The agreement is 0 if successive scans have too
+    few labels in common.
     """
     from scipy.optimize import linear_sum_assignment
     from scipy.spatial.distance import cdist

@@ -111,21 +111,8 @@ def register_leaflets(
     that align the direction of one leaflet with that of another, with or without scaling. Of those
     with at least `MIN_PAIRS` pairs of leaflets, the one with the largest total score is chosen.
 
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-        The organ in two successive scans.
-    attachments : (int, int)
-        Indices of the attachment points.
-    first, second : (n,) and (m,) intp ndarray
-        The leaflet of each point, -1 on the stalk.
-
-    Returns
-    -------
-    registered : (n, 3) float64 ndarray
-        The points of `start` after the motion.
-    pairs : (p, 2) intp ndarray
-        Matched leaflets.
+    first, second: (n,) and (m,) the leaflet of each point, -1 on the stalk. Returns the registered
+    points of `start` and the (p, 2) matched leaflets.
     """
     source, target = _Leaflets.of(start, first), _Leaflets.of(end, second)
     origin, base = start[attachments[0]].astype(float), end[attachments[1]].astype(float)

@@ -31,19 +31,8 @@ def merge_parts(
 ) -> list[Tracks]:
     """Merge the organs of a scan that are one organ in the previous or next scan.
 
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    tracks : sequence of (N,) int64 ndarray
-        The track number of each point.
-    protected : collection of int
-        Tracks that are never merged into another one.
-
-    Returns
-    -------
-    list of (N,) int64 ndarray
-        A merged organ has the number of an organ that was there before.
+    clouds, tracks: (N, 3) points and (N,) track numbers of each aligned scan. protected: tracks
+    that are never merged into another one. Returns the tracks, without new numbers.
 
     References
     ----------

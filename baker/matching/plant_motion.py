@@ -27,19 +27,7 @@ MIN_DIFFERENCE = 0.2  # between these rotations, in radians
 
 
 def plant_motions(organs: Sequence[OrganDescriptors], span: int) -> dict[tuple[int, int], Floats]:
-    """Compose the motions of a plant from each scan to the `span` following scans.
-
-    Parameters
-    ----------
-    organs : sequence of OrganDescriptors
-        Of each scan.
-    span : int
-
-    Returns
-    -------
-    dict of (int, int) to (4, 4) float64 ndarray
-        By the numbers of an earlier and a later scan.
-    """
+    """(4, 4) motions of a plant from each scan to the `span` following ones, composed of steps."""
     steps = list(starmap(plant_motion, pairwise(organs)))
     return {
         (k, later): motion
@@ -51,19 +39,11 @@ def plant_motions(organs: Sequence[OrganDescriptors], span: int) -> dict[tuple[i
 
 
 def plant_motion(first: OrganDescriptors, second: OrganDescriptors) -> Floats:
-    """Estimate the rigid motion of a plant from the first scan to the second.
+    """(4, 4) rigid motion of a plant from the first scan to the second.
 
     Candidates are no motion, and motions that register the plant bases and the directions from
     there to two organs. The one with the largest total score of matched organs is chosen. Rotations
     are penalised, since a plant may look alike from several sides.
-
-    Parameters
-    ----------
-    first, second : OrganDescriptors
-
-    Returns
-    -------
-    (4, 4) float64 ndarray
     """
     first, second = first.largest(MAX_ORGANS), second.largest(MAX_ORGANS)
     best, best_score = np.eye(4), _total_score(first, second)

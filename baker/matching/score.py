@@ -101,18 +101,8 @@ def shape_scores(
 ) -> NDArray[np.float64]:
     """Score pairs of n and m organs, as `match_scores` does, by distance, direction and size.
 
-    Parameters
-    ----------
-    young, old : OrganDescriptors
-        Of n and m organs; only their sizes are used.
-    distance, cosines : (..., n, m) float64 ndarray
-        Distances between organs, in length units, and cosines between their directions.
-    penalty : (n, m) float64 ndarray or float
-        For other differences, in sizes of the plant's organs.
-
-    Returns
-    -------
-    (..., n, m) float64 ndarray
+    distance, cosines: (..., n, m) distances between organs, in length units, and cosines between
+    their directions. penalty: (n, m) for other differences, in sizes of the plant's organs.
     """
     size = _organ_size(young, old)
     young_size, old_size, distance = young.sizes[:, None] / size, old.sizes / size, distance / size

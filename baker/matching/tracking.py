@@ -34,24 +34,13 @@ def track_organs(
 ) -> list[NDArray[np.int64]]:
     """Track the organs of a series by their shapes.
 
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    hierarchies : sequence of Hierarchy
-        Of each scan. Only a virtual root, the last segment, has no points.
-    root_points : sequence of int
-        Index of the point at the plant base, for each scan.
-    stem : bool
-        Whether the organ at the plant base is known to be the stem of all others.
-    corrections : sequence of PointCorrection
-        Those of kind "same" between successive scans, and of kind "different", are constraints.
+    clouds, root_points: (N, 3) aligned points of each scan, and the index of the point at the plant
+    base. hierarchies: only a virtual root, the last segment, has no points. stem: whether the organ
+    at the plant base is known to be the stem of all others. corrections: those of kind "same"
+    between successive scans, and of kind "different", are constraints.
 
-    Returns
-    -------
-    list of (N,) int64 ndarray
-        The track number of each point. Tracks are numbered by first appearance, those that appear
-        in the same scan by their distance from the plant base.
+    Returns the (N,) track number of each point. Tracks are numbered by first appearance, those that
+    appear in the same scan by their distance from the plant base.
     """
     scans = zip(clouds, hierarchies, root_points, strict=True)
     organs = [describe_organs(*scan, stem=stem) for scan in scans]
@@ -86,18 +75,9 @@ def chain_organs(
 ) -> list[NDArray[np.int64]]:
     """Chain organs into tracks of the largest total score.
 
-    Parameters
-    ----------
-    distances : sequence of (n,) float ndarray
-        Distance of each organ from the plant base, for each scan.
-    scores : mapping of (int, int) to (n, m) float64 ndarray
-        By an earlier and a later scan: the score of each pair of their organs. Only pairs with a
-        positive score are linked.
-
-    Returns
-    -------
-    list of (n,) int64 ndarray
-        The track numbers of each scan's organs, by first appearance, then by distance.
+    distances: (n,) of the organs of each scan, from the plant base. scores: (n, m) of each pair of
+    organs of an earlier and a later scan; only pairs with a positive score are linked. Returns the
+    (n,) track numbers of the organs of each scan, by first appearance, then by distance.
     """
     starts = np.cumsum([0, *map(len, distances)])
     scan = np.repeat(np.arange(len(distances)), np.diff(starts))

@@ -134,14 +134,7 @@ def list_series(
 ) -> Listing:
     """Find, time and order the scans of a series without reading them.
 
-    Parameters
-    ----------
-    inputs, options, times
-        As in `read_series`, which raises the same errors.
-
-    Returns
-    -------
-    Listing
+    The parameters and the errors raised are those of `read_series`.
     """
     camera, file = find_camera(inputs[0]) if len(inputs) == 1 else None, options.times
     if camera:

@@ -129,18 +129,8 @@ def hierarchy_from_labels(
 ) -> Hierarchy:
     """Build the hierarchy of one scan from the labels of its points, by Prim's algorithm.
 
-    Parameters
-    ----------
-    points, labels : (N, 3) float and (N,) int ndarray
-    root_label : int
-    gaps : Gaps, optional
-        As `segment_gaps` returns them; computed by default.
-    ranks : Ranks, optional
-        As `parent_ranks` returns them, to use instead of the gaps of this scan.
-
-    Returns
-    -------
-    Hierarchy
+    gaps: as `segment_gaps` returns them, computed by default. ranks: as `parent_ranks` returns
+    them, to be used instead of the gaps of this scan.
     """
     distinct, segments = split_by_label(labels)
     gaps = segment_gaps(points, labels) if gaps is None else gaps

@@ -18,17 +18,8 @@ def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.
     A speck is a small connected component of an organ among points of other organs. One that is
     isolated in space keeps its label. No label disappears.
 
-    Parameters
-    ----------
-    labels : (N,) int64 ndarray
-        Negative labels are missing ones, and are replaced where most neighbours have a label.
-    neighbors : Neighbors
-        Of the N points.
-
-    Returns
-    -------
-    (N,) int64 ndarray
-        `labels` itself if nothing is changed.
+    labels: (N,), returned itself if nothing is changed. Negative labels are missing ones, and are
+    replaced where most neighbours have a label.
     """
     distinct, organ = np.unique(labels, return_inverse=True)
     neighbor_organ = organ[neighbors.indices]

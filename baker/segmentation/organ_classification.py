@@ -24,19 +24,9 @@ STEM = 0  # the organ of stem and petioles
 
 
 def blade_scores(sample: PlantSample, tree: ReebTree) -> NDArray[np.float64]:
-    """Score how likely points are on a blade, by their flatness and the width of their section.
+    """(n,) scores of the points of a sample, from -1 (on stem or petiole) to 1 (on a blade).
 
-    Parameters
-    ----------
-    sample : PlantSample
-        Of n points.
-    tree : ReebTree
-        Of the sample.
-
-    Returns
-    -------
-    (n,) float64 ndarray
-        From -1 (on stem or petiole) to 1 (on a blade).
+    They depend on the flatness around the point and on the width of its section.
     """
     flat = (MIN_ROD_FLATNESS - flatness(sample)) / FLATNESS_RANGE
     wide = np.log(np.clip(tree.width / sample.diameter, 1.0 / np.e, np.e))
@@ -46,19 +36,9 @@ def blade_scores(sample: PlantSample, tree: ReebTree) -> NDArray[np.float64]:
 def organs_of_nodes(
     sample: PlantSample, tree: ReebTree, scores: NDArray[np.float64]
 ) -> NDArray[np.intp]:
-    """Assign the nodes of a Reeb tree to organs, by the blade scores of their points.
+    """(m,) organ of each node: 0 for stem and petioles, from 1 on for blades and bare branches.
 
-    Parameters
-    ----------
-    sample, tree : PlantSample, ReebTree
-        Of n points and m nodes.
-    scores : (n,) float64 ndarray
-        As `blade_scores` returns them.
-
-    Returns
-    -------
-    (m,) intp ndarray
-        0 for stem and petioles, from 1 on for blades and bare branches.
+    scores: (n,) of the points of the sample, as `blade_scores` returns them.
     """
     score, area = (
         tree.subtree_sums(sample.spacing**2 * np.bincount(tree.node, weights))

@@ -78,16 +78,7 @@ def merge_strips(sample: PlantSample, organ: NDArray[np.intp]) -> NDArray[np.int
     Such an organ is a strip of the one it touches: in sparse scans, a blade or stem with a gap
     seems to fork there. Separate organs touch their parent only at the base.
 
-    Parameters
-    ----------
-    sample : PlantSample
-        Of n points.
-    organ : (n,) intp ndarray
-        Of each point; 0 is the stem.
-
-    Returns
-    -------
-    (n,) intp ndarray
+    organ: (n,) of each point of the sample; 0 is the stem.
     """
     adjacency, organ = sample.graph.copy(), organ.copy()
     adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
 # docs/method.md, "Organs without labels".
-COARSE_SIZE = 4_000  # most points of the sample on which the stem is measured
-FINE_SIZE = 10_000  # most points of the sample that is segmented
+COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # most points to measure the stem, and to segment the plant
 VOXEL_SIZE = 0.2  # in stem diameters
 LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.35, 2.5  # in stem diameters; at least, in point spacings
 STEM_LENGTH = 6.0  # of the part of the stem that is measured, in its diameters
@@ -71,13 +70,7 @@ class ReebTree:
 
 
 def reeb_tree(sample: PlantSample) -> ReebTree:
-    """Compute the Reeb graph of the geodesic distance from the base, with its loops cut.
-
-    References
-    ----------
-    Y. Shinagawa, T. L. Kunii: Constructing a Reeb graph automatically from cross sections, IEEE
-    Comput. Graph. Appl. 11 (1991).
-    """
+    """Compute the Reeb graph of the geodesic distance from the base, with its loops cut."""
     level = (sample.distance / sample.thickness).astype(np.intp)
     node, parent, depth = np.full(len(level), -1), list[int](), list[int]()
     # The first point of the shortest path to each point that is in the same level set.
@@ -141,17 +134,9 @@ def _measure_tree(sample: PlantSample, node: NDArray[np.intp], parent: list[int]
 
 
 def sample_plant(points: NDArray[np.floating], base: int) -> PlantSample:
-    """Down-sample a scan to voxels of a fifth of the stem diameter, and compute its kNN graph.
+    """Down-sample (N, 3) points to voxels of a fifth of the stem diameter, with a kNN graph.
 
-    Parameters
-    ----------
-    points : (N, 3) float ndarray
-    base : int
-        Index of the point at the plant base.
-
-    Returns
-    -------
-    PlantSample
+    base: index of the point at the plant base.
     """
     cloud = np.asarray(points, np.float64)
     coarse = _sample_voxels(cloud, voxel_size_for(cloud, COARSE_SIZE), base)

@@ -34,10 +34,6 @@ def judge_clip(
         (index of the interval, label) of the organs that corrections confirm to be the same.
     map : map-like callable
         Maps over the intervals.
-
-    Returns
-    -------
-    Clip
     """
     names = ["the stem" if organ.kind == "stem" else organ.name for organ in clip.track_table]
 

@@ -25,24 +25,8 @@ def repair(
 ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
-    Parameters
-    ----------
-    depth : (H, W) float64 ndarray
-        In mm, 0 where it is unknown.
-    labels : (H, W) int ndarray
-    background : int
-        The label of the background.
-
-    Returns
-    -------
-    depth : (H, W) float64 ndarray
-        0 outside of labels and where it could not be filled.
-    is_unknown : (H, W) bool ndarray
-        Whether the depth of a labelled pixel was unknown or implausible.
-
-    References
-    ----------
-    Section 4 of the paper, Komatsuna.
+    All images are (H, W). depth: in mm, 0 where it is unknown. Returns the depth, 0 outside of
+    labels and where it could not be filled, and whether it was unknown or implausible in a label.
     """
     from scipy import ndimage
 

@@ -79,9 +79,7 @@ def read_times(texts: Sequence[str]) -> Reading | None:
         clear = [reading for reading in readings if reading.convention.is_clear]
         return next((reading for reading in clear if not _is_shared(reading, texts)), None)
     best = min(distinct, key=lambda read: (read.convention.rank, read.spans[0][0], read.length))
-    rivals = [
-        reading for reading in distinct if reading.length <= MAX_SPAN and reading.contradicts(best)
-    ]
+    rivals = [read for read in distinct if read.length <= MAX_SPAN and read.contradicts(best)]
     doubt = ""
     if rivals:
         rival = min(rivals, key=lambda reading: reading.length)
