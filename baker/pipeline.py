@@ -201,13 +201,9 @@ def survey_series(
     days = tuple(scan.time for scan in series.scans)
     aligned = AlignedSeries(days, keyframes, tuple(neighbors), tuple(bases), vertical)
 
+    labels_and_names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
     labels = label_policy(
-        [scan.labels for scan in series.scans],
-        [scan.name for scan in series.scans],
-        aligned.clouds,
-        aligned.bases,
-        choices.labels,
-        raw.label_field,
+        *labels_and_names, aligned.clouds, aligned.bases, choices.labels, raw.label_field
     )
     corrections = options.corrections or ()
     if corrections:

@@ -74,9 +74,8 @@ def mid_spine(start: Points, end: Points, share: float) -> Points:
     a bend. The length of each segment is the squared mean of the square roots of its lengths: young
     tissue grows by a factor, older tissue by an amount, so more growth means less at mid-interval.
 
-    start, end: (LEVELS, 3) nodes in both scans. share: exponent of the weight by which the longer
-    segment counts more for the direction. With 0, a segment has made half of its turn; with 1, new
-    tissue lies in the new direction.
+    share: by how much the longer of both segments counts more for the direction. With 0, a segment
+    has made half of its turn; with 1, new tissue lies in the new direction.
     """
     segments = np.stack([np.diff(start, axis=0), np.diff(end, axis=0)])
     lengths = np.linalg.norm(segments, axis=2, keepdims=True)
@@ -100,10 +99,7 @@ def growth_share(start: Points, end: Points, uneven: float) -> float:
 
 
 def unevenness(sample: Points, deformed: Points) -> float:
-    """Standard deviation of the logarithm of the stretch between neighbours of (n, 3) points.
-
-    It is measured between points some distance apart, since that of near points is mostly noise.
-    """
+    """Standard deviation of the logarithm of the stretch between (n, 3) points and neighbours."""
     from scipy.spatial import KDTree
 
     chosen = np.arange(0, len(sample), max(len(sample) // POINTS_COMPARED, 1))

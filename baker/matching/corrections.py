@@ -22,6 +22,7 @@ from baker.scans import Finding, Series
 from corrections import Correction, Corrections, Place
 
 Labels = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
 MAX_DISTANCE = 20.0  # point spacings from a place to the nearest point of the scan
 MAX_POINTS_CUT = 5000  # number of points of an organ in the graph whose minimum cut is computed
@@ -64,10 +65,6 @@ def locate_corrections(
         All scans, the scans to bake, and these in one frame; corrections in others are ignored.
     scale : float
         The factor by which the coordinates in the files were multiplied.
-
-    Returns
-    -------
-    tuple of PointCorrection
 
     Raises
     ------
@@ -221,9 +218,7 @@ def confirmed_organs(
     )
 
 
-def _distal_part(
-    aligned: AlignedSeries, scan: int, organ: NDArray[np.bool_], point: int, title: str
-) -> NDArray[np.bool_]:
+def _distal_part(aligned: AlignedSeries, scan: int, organ: Mask, point: int, title: str) -> Mask:
     """(N,) the part of an organ that a cut at a point separates from the plant base.
 
     Its points are at least as far from the plant base as that point, and connected to it.
@@ -242,9 +237,7 @@ def _distal_part(
     return part
 
 
-def _minimum_cut(
-    cloud: NDArray[np.floating], organ: NDArray[np.bool_], places: tuple[int, int]
-) -> NDArray[np.bool_]:
+def _minimum_cut(cloud: NDArray[np.floating], organ: Mask, places: tuple[int, int]) -> Mask:
     """(N,) the part of an organ on the side of the second place, by a minimum cut of its kNN graph.
 
     Points within `SEED_SHARE` of the distance between the places are linked to the nearer place.

@@ -32,11 +32,8 @@ def merge_parts(
     """Merge the organs of a scan that are one organ in the previous or next scan.
 
     clouds, tracks: (N, 3) points and (N,) track numbers of each aligned scan. protected: tracks
-    that are never merged into another one. Returns the tracks, without new numbers.
-
-    References
-    ----------
-    Section 3.3.1 of the paper, which merges segments down the hierarchies of two scans.
+    that are never merged into another one. Returns the tracks, without new numbers. In section
+    3.3.1 of the paper, segments are merged down the hierarchies of two scans instead.
     """
     merged = list(tracks)
     for order in (range(len(merged)), range(len(merged))[::-1]):

@@ -149,10 +149,7 @@ def neighbor_displacements(
 
 
 def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.float64]:
-    """(n, m) mean distance from the points of each young organ to the nearest of each old one.
-
-    It is infinite for pairs that are not among each other's `CANDIDATES` nearest organs.
-    """
+    """(n, m) mean distance of the points of each young organ to each old one; inf if far apart."""
     from scipy.spatial import KDTree
 
     distances = np.full((len(young), len(old)), np.inf)
@@ -163,10 +160,7 @@ def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArr
 
 
 def _candidates(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.bool_]:
-    """(n, m) whether either organ of a pair is among the `CANDIDATES` nearest of the other one.
-
-    The distance is that of their attachment points or of their centroids, whichever is less.
-    """
+    """(n, m) whether one organ is among the nearest of the other, by attachments or centroids."""
     from scipy.spatial.distance import cdist
 
     centroids = (np.array([s.mean(axis=0) for s in organs.samples]) for organs in (young, old))

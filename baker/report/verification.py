@@ -49,11 +49,6 @@ def verify(
     clip : Clip
     report_progress : callable
         Called with "verification", the number of scans compared and their total.
-
-    Returns
-    -------
-    list of HoldoutError
-        One for each scan.
     """
     from scipy.spatial import KDTree
 

@@ -71,9 +71,9 @@ def labelled_hierarchies(
     ranks = parent_ranks(labels, gaps) if consistent and agreeing else None
     roots = [int(scan_labels[base]) for scan_labels, base in zip(labels, bases, strict=True)]
     if consistent:  # in a late scan, a drooping leaf may hang lower than the base of the stem
-        usual_root = Counter(roots).most_common(1)[0][0]
-        own_roots = zip(labels, roots, strict=True)
-        roots = [usual_root if usual_root in present else own for present, own in own_roots]
+        usual = Counter(roots).most_common(1)[0][0]
+        pairs = zip(labels, roots, strict=True)
+        roots = [usual if usual in organs else own for organs, own in pairs]
     build = partial(hierarchy_from_labels, ranks=ranks)
     return list(map(build, clouds, labels, roots, gaps))
 

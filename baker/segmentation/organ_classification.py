@@ -55,8 +55,7 @@ def organs_of_nodes(
             organ[node] = organ.max() + 1
         in_blade[node] |= starts[node] and has_blades[node]
         organ[children], in_blade[children] = organ[node], in_blade[node]
-        # Where a blade or a bare branch forks, the organ continues in its main branch, the largest
-        # or longest one, and the other branches are organs of their own.
+        # Where a blade or a bare branch forks, it continues in its largest or longest branch.
         if in_blade[node]:
             starts[children] = False
             branches = sorted((c for c in children if is_slender[c]), key=lambda c: -area[c])[1:]

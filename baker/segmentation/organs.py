@@ -14,6 +14,10 @@ from baker.geometry.parallel import MapLike
 from baker.segmentation.organ_classification import STEM, blade_scores, organs_of_nodes
 from baker.segmentation.reeb_graph import PlantSample, ReebTree, reeb_tree, sample_plant
 
+Points = NDArray[np.floating]
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
 # docs/method.md, "Organs without labels".
 MAX_DISTANCE = 2.0  # stem diameters to the next scan, at which its weight is 0
 NEXT_WEIGHT = 0.5  # greatest weight of the next scan; that of the scan itself is 1
@@ -23,7 +27,7 @@ BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of
 
 
 def segment_organs(
-    clouds: Sequence[NDArray[np.floating]], bases: Sequence[int], map: MapLike = map
+    clouds: Sequence[Points], bases: Sequence[int], map: MapLike = map
 ) -> list[NDArray[np.int64]]:
     """Segment the scans of a plant into organs by their shape.
 
@@ -52,18 +56,14 @@ def segment_organs(
     return numbers[::-1]
 
 
-def _prepare(
-    cloud: NDArray[np.floating], base: int
-) -> tuple[PlantSample, ReebTree | None, NDArray[np.float64] | float]:
+def _prepare(cloud: Points, base: int) -> tuple[PlantSample, ReebTree | None, Floats | float]:
     """The sample, Reeb tree and blade scores of a scan; no tree if the scan is too small."""
     sample = sample_plant(cloud, base)
     tree = reeb_tree(sample) if sample.diameter > 0.0 else None
     return sample, tree, 0.0 if tree is None else blade_scores(sample, tree)
 
 
-def _scores_from_next(
-    sample: PlantSample, following: PlantSample, organ: NDArray[np.intp]
-) -> NDArray[np.float64]:
+def _scores_from_next(sample: PlantSample, following: PlantSample, organ: Indices) -> Floats:
     """(n,) blade scores of the points of a scan, from the nearest organs of the following scan."""
     from scipy.spatial import KDTree
 
@@ -72,7 +72,7 @@ def _scores_from_next(
     return NEXT_WEIGHT * np.where(organ[nearest] == STEM, -weight, weight)
 
 
-def merge_strips(sample: PlantSample, organ: NDArray[np.intp]) -> NDArray[np.intp]:
+def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
     """Merge organs that touch another organ along most of their length, the smallest first.
 
     Such an organ is a strip of the one it touches: in sparse scans, a blade or stem with a gap

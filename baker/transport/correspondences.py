@@ -19,7 +19,7 @@ class Correspondences:
     columns: Indices  # (M,) points of the end
     distance: float  # Wasserstein distance in length units, over all plans
     marginal_error: float  # L1 error of the marginals, the largest of all plans
-    solver: str  # of the plan with the largest cost
+    solver: str  # of the part with the largest cost
     notes: tuple[str, ...] = ()  # for the report, one sentence each
 
 

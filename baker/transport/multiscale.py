@@ -39,12 +39,12 @@ Coupling = tuple[Edges, Masses]
 """The pairs and integer masses of a feasible plan."""
 
 
-def couple(
+def multiscale_plan(
     start: Floats, end: Floats, supply: Masses, demand: Masses, options: TransportOptions
 ) -> Coupling:
-    """The plan of least cost between (n, 3) and (m, 3) points with masses of equal sum."""
+    """Compute the plan of least cost between (n, 3) and (m, 3) points with masses of equal sum."""
     if len(start) < len(end):
-        edges, mass = couple(end, start, demand, supply, options)
+        edges, mass = multiscale_plan(end, start, demand, supply, options)
         return (edges[1], edges[0]), mass
     row, axes = bisection_order(start, options.seed)
     column, _ = bisection_order(end, options.seed, axes)

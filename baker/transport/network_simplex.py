@@ -90,9 +90,9 @@ def improve_cells(
         row_nodes[rows] = np.arange(n, dtype=np.uint32)
         column_nodes[columns] = np.arange(n, count, dtype=np.uint32)
         tree = np.empty(count + 1, NODE)
-        places = np.concatenate([start.take(rows, axis=0), end.take(columns, axis=0)])
+        points = np.concatenate([start.take(rows, axis=0), end.take(columns, axis=0)])
         for axis, name in enumerate("xyz"):
-            tree[name][:count] = places[:, axis]
+            tree[name][:count] = points[:, axis]
         near_rows = row_nodes.take(neighbors[0].take(rows, axis=0))
         near = np.concatenate([near_rows, column_nodes.take(neighbors[1].take(columns, axis=0))])
         arcs = row_nodes.take(tails), column_nodes.take(heads)

@@ -13,6 +13,9 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+Image = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
 # docs/method.md, row 24.
 BAND = 6  # pixels along a label's border that are searched for jumps
 MIN_JUMP, NOISE_SIGMAS = 2.0, 3.0  # of a jump: mm, and standard deviations of the noise
@@ -20,9 +23,7 @@ USUAL_NOISE = 0.1  # mm, scale of the robust loss of the surface's fit
 SIGMA, KERNEL_RADIUS = 2.0, 12  # pixels, of the Gaussian kernel of the diffusion
 
 
-def repair(
-    depth: NDArray[np.float64], labels: NDArray[np.integer], background: int = 0
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def repair(depth: Image, labels: NDArray[np.integer], background: int = 0) -> tuple[Image, Mask]:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
     All images are (H, W). depth: in mm, 0 where it is unknown. Returns the depth, 0 outside of
@@ -59,9 +60,7 @@ def repair(
     return repaired, plant & ~valid
 
 
-def _polynomial_surface(
-    depth: NDArray[np.float64], measured: NDArray[np.bool_]
-) -> NDArray[np.float64]:
+def _polynomial_surface(depth: Image, measured: Mask) -> Image:
     """(H, W) polynomial of degree 2 (less for few pixels), fitted with a robust loss (Cauchy)."""
     from scipy.optimize import least_squares
 
