@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from grow.part import NODES
 from grow.pose import Array, Body, Index, Pose, at_node
 
-STRIPES = 10  # cells across every strip, for areas
+STRIPS = 10  # cells across every strip, for areas
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ def normals(body: Body, pose: Pose, material: Material) -> Array:
 def areas(body: Body, pose: Pose) -> Array:
     """(P, NODES - 1, STRIPES) areas of the cells between the nodes, mm²."""
     along = np.linspace(0, 1, NODES)[:, None]
-    across = np.linspace(-1, 1, STRIPES + 1)
+    across = np.linspace(-1, 1, STRIPS + 1)
     fold, waves, phase = (v[:, None, None] for v in (body.fold, body.waves, body.phase))
     spread, roll, ruffle = (v[..., None] for v in (pose.spread, pose.roll, pose.ruffle))
     section = Section(spread, roll, ruffle, body.tube[:, None, None], fold)
@@ -125,13 +125,13 @@ def sample(area: Array, count: int, rng: np.random.Generator) -> Material:
     within = np.clip((target - rows[row]) / np.maximum(per_row.ravel()[row], 1e-300), 0, 1)
     along = (row % (NODES - 1) + within) / (NODES - 1)
 
-    stripes = np.cumsum(area.reshape(-1, STRIPES)[row], axis=1)
+    stripes = np.cumsum(area.reshape(-1, STRIPS)[row], axis=1)
     goal = even[:, 1] * stripes[:, -1]
-    stripe = np.minimum((stripes < goal[:, None]).sum(1), STRIPES - 1)
+    stripe = np.minimum((stripes < goal[:, None]).sum(1), STRIPS - 1)
     each = np.arange(count)
     above = stripes[each, stripe]
-    size = np.maximum(area.reshape(-1, STRIPES)[row, stripe], 1e-300)
-    across = -1 + 2 * (stripe + np.clip(1 - (above - goal) / size, 0, 1)) / STRIPES
+    size = np.maximum(area.reshape(-1, STRIPS)[row, stripe], 1e-300)
+    across = -1 + 2 * (stripe + np.clip(1 - (above - goal) / size, 0, 1)) / STRIPS
 
     order = rng.permutation(count)
     return Material(part[order], along[order], across[order])

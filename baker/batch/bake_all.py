@@ -102,7 +102,7 @@ def _job(
     )
     options = replace(options, times=options.times and options.times.absolute())
     return PlantJob(
-        name, folder.absolute(), options, plant_outputs, table.known(name) if table else None
+        name, folder.absolute(), options, plant_outputs, table.source_of(name) if table else None
     )
 
 

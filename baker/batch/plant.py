@@ -22,7 +22,7 @@ from baker.scans.read import digest, list_series
 from corrections import corrections_file
 from gclip.clip import Clip
 from gclip.terminal.command import OUR_FAULT, verdict
-from traits.table import Namer, measure_days, provenance, write_table
+from traits.table import NamedPlant, measure_days, provenance, write_table
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ def bake_plant(job: PlantJob) -> Outcome:
             clip, _ = bake_into(outputs, [job.folder], job.options, cache)
         table = io.StringIO()
         if outputs.traits and provenance(clip) != job.listed:
-            write_table(table, Namer(clip, job.name), measure_days(clip))
+            write_table(table, NamedPlant(clip, job.name), measure_days(clip))
     except Exception as error:
         code, sentence = verdict(error)
         if code == OUR_FAULT and os.environ.get("GCLIP_TRACEBACK"):

@@ -16,7 +16,7 @@ from baker.verdict.doubt import command_for, group_by_interval, headline, interv
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
 from gclip.text import printable
-from traits.curves import TraitCurve, plotted, trait_curves
+from traits.curves import TraitCurve, curve_names, trait_curves
 from traits.doubts import doubts_of
 
 MAX_TICKS = 5  # number of steps of the axis of growth curves
@@ -64,7 +64,7 @@ def write_report(
         except NoPicture as error:
             no_pictures = str(error)
         measured = trait_curves(clip, largest_organs(clip))
-        curves = {trait: [c for c in measured if c.trait == trait] for trait in plotted(clip)}
+        curves = {trait: [c for c in measured if c.trait == trait] for trait in curve_names(clip)}
         page = _template().render(
             title=title,
             clip=clip,

@@ -11,7 +11,7 @@ from player.view.camera_animation import CameraPath
 from player.view.choices import Compare, Edits, Output, Wish
 from player.view.playback import Timeline
 from player.view.style import ColorMode, Style
-from traits.curves import plotted
+from traits.curves import curve_names
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ class Scene:
     @property
     def curves(self) -> list[str]:
         """What may be plotted of an organ."""
-        return plotted(self.clip)
+        return curve_names(self.clip)
 
     @property
     def color_mode(self) -> ColorMode:
@@ -120,5 +120,5 @@ def reopened(scene: Scene, clips: tuple[Clip, ...], fresh: bool) -> Scene:
         edits=None if fresh else scene.edits,
         path=path,
         following=bool(path and scene.following),
-        curve=scene.curve if scene.curve in (*plotted(clip), "") else "length",
+        curve=scene.curve if scene.curve in (*curve_names(clip), "") else "length",
     )

@@ -56,7 +56,7 @@ def baked() -> tuple[np.ndarray, list[np.ndarray], Movers]:
         organs.append(OrganPaths(task, Correspondences(index, index, 0.0, 0.0, "")))
     carried = child_deviations(1, motion, clouds[1], match.second)
     deviation = motion.deviation(clouds[0][starts[1]])
-    organs[1] = replace(organs[1], deviation=deviation, carried=carried)
+    organs[1] = replace(organs[1], deviation=deviation, child_deviations=carried)
     frames = (Keyframe(cloud, None) for cloud in clouds)
     return clouds[0], starts, organ_movers(organs, *frames, match.second, 1.0)
 
@@ -101,7 +101,7 @@ def test_an_organ_is_carried_by_all_that_it_grows_on() -> None:
     plan = Correspondences(np.zeros(1, int), np.zeros(1, int), 0.0, 0.0, "")
     carried: tuple[dict[int, np.ndarray], ...] = ({1: np.eye(3)[0]}, {2: np.eye(3)[1]}, {})
     organs = [
-        OrganPaths(Task("match", organ, points, points), plan, carried=carried[organ])
+        OrganPaths(Task("match", organ, points, points), plan, child_deviations=carried[organ])
         for organ, points in enumerate(scan.segments)
     ]
     movers = organ_movers(organs, Keyframe(cloud, None), Keyframe(cloud, None), scan, 0.0)
