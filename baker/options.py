@@ -11,7 +11,7 @@ from msgspec import to_builtins
 from baker.errors import InputError, excerpt, input_errors
 from corrections import Correction, Corrections, read_corrections
 
-MAX_COORDINATE = 1e12
+MAX_COORDINATE = 1e12  # of the plant base, in the unit of the scans
 # What "auto" stands for; options that are not listed are decided from the series.
 DEFAULTS = {"segment": "organs", "paths": "curved"}
 PAPER_DEFAULTS = {"align": "icp", "segment": "thin", "transport": "sinkhorn", "paths": "straight"}
@@ -29,8 +29,8 @@ SHORT: Check = (lambda text: len(text) <= 100, "one of at most 100 characters")
 def option(default: Any, help: str, check: Check | None = None, **settings: Any) -> Any:
     """Declare a dataclass field that is an option of `bake`.
 
-    help: the text of `bake --help`. check: of the value; by default every one is allowed or, with
-    `min` and `max`, every number in that range. settings: arguments of `typer.Option`.
+    help: the text of `bake --help`. check: of the value; by default all values are allowed or, with
+    `min` and `max`, all numbers in that range. settings: arguments of `typer.Option`.
     """
     if "min" in settings:
         low, high = settings["min"], settings.get("max", inf)

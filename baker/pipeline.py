@@ -54,7 +54,7 @@ class Survey:
 
     raw: Series  # all scans as they were read, including those left out
     series: Series  # the scans to bake
-    options: Options  # with what the series determines
+    options: Options  # completed by `Options.for_series`
     alignment: Alignment  # of all raw scans
     aligned: AlignedSeries
     held_out: tuple[ScanMark, ...]
@@ -63,7 +63,7 @@ class Survey:
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """The decisions about the series, and what speaks against them."""
+        """The decisions about the series, with the doubts about them."""
         sizes = sorted({len(scan) for scan in self.series.scans})
         size = " to ".join(f"{size:,}" for size in dict.fromkeys((sizes[0], sizes[-1])))
         points = Finding("points", f"{len(self.series.scans)} scans of {size}")

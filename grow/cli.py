@@ -22,6 +22,8 @@ PANELS = {
 
 
 class Kind(StrEnum):
+    """The plants of `KINDS`, and the one of the depth camera."""
+
     maize = "maize"
     tomato = "tomato"
     tree = "tree"
@@ -31,6 +33,8 @@ class Kind(StrEnum):
 
 
 class Format(StrEnum):
+    """The suffixes of `grow.formats.WRITERS`."""
+
     ply = "ply"
     txt = "txt"
     xyz = "xyz"

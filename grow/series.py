@@ -13,7 +13,7 @@ from grow.formats import WRITERS, record
 from grow.model import Plant, plant
 from grow.output import MAX_NOISE, TRUTH, atomic_series
 
-MAX_SCANS = 10_000
+MAX_SCANS = 10_000  # of a series
 MAX_POINTS = 1_000_000_000  # of a scan
 
 

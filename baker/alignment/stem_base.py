@@ -96,8 +96,8 @@ def _likely_base(points: Points, vertical: Vertical) -> Points:
 
     The tip of a hanging leaf may be as low as the plant base. But the paths from the tip to other
     points first lead up the leaf and then down again, and are longer. So the base is the low
-    component with the least sum of the longest path from it and of the mean descent on all paths:
-    the right one in each of 8 scans of 166 real ones with several.
+    component with the least sum of the longest path from it and of the mean descent on all paths.
+    It is right in all 8 of 166 real scans that have several low components.
     """
     from scipy.sparse.csgraph import connected_components, dijkstra
 

@@ -23,8 +23,8 @@ def find_up(
 ) -> tuple[str, list[Finding]]:
     """Find the direction of growth of a series, "x", "y", "z", "-x", "-y" or "-z".
 
-    It is the one that the user requested, unless that is "auto"; else that away from the ground, if
-    one was found; else z, unless the mean cost of the scans is much less along another direction.
+    It is the `requested` one, unless that is "auto"; else the direction away from the ground, if
+    there is one; else z, unless the mean cost of the scans is much less along another direction.
     """
     if requested != "auto":
         return requested, [Finding("up", f"{requested}, as asked")]

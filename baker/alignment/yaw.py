@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from baker.alignment.pose import Pose
 
-YAWS = np.arange(0, 360, 5)
+YAWS = np.arange(0, 360, 5)  # degrees, at which scans are compared first
 WIDTH, FINE_WIDTH = 20.0, 5.0  # degrees, standard deviations of the Gaussian of organs' turns
 MIN_SHARE_BY_LABEL = 0.7  # fit of organs paired by label : fit of organs paired freely
 # A yaw is doubtful unless its fit exceeds that at all yaws at least MIN_OTHER_TURN degrees away by

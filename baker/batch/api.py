@@ -105,7 +105,7 @@ def _scan_files(scans: Any, attributes: Attributes) -> Iterator[list[Path]]:
 
 
 def _scan_file(scan: Any, attributes: dict[str, NDArray], path: Path) -> Path:
-    """The file of a scan; one in memory is written to `path` with a suffix."""
+    """The path of a scan's file; a scan in memory is first written to `path` with a suffix."""
     if isinstance(scan, str | PathLike):
         if attributes:
             description = f"'{fspath(scan)}' is a file"
@@ -130,7 +130,7 @@ def _scan_file(scan: Any, attributes: dict[str, NDArray], path: Path) -> Path:
 
 def _cloud_arrays(cloud: Any) -> dict[str, NDArray]:
     """The arrays of an Open3D point cloud, under the names that the reader of NPZ files knows."""
-    if not hasattr(cloud, "point"):  # a legacy one
+    if not hasattr(cloud, "point"):  # of the legacy API
         import open3d
 
         cloud = open3d.t.geometry.PointCloud.from_legacy(cloud, open3d.core.float64)

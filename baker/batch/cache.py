@@ -83,6 +83,7 @@ class Cache:
         return None
 
     def _write(self, key: str, interval: Interval) -> Interval:
+        """Write an entry, or set `write_error`; returns the interval."""
         path, payload = self.folder / key[:2] / key, _encoded(interval)
         try:
             with writing(path):

@@ -45,7 +45,7 @@ def run(
     if list_only:
         list_plants(plants, inputs, options, outputs.quiet)
     elif plants:
-        check_output(outputs.traits, True, "a table of traits", ".csv")  # an old one is extended
+        check_output(outputs.traits, True, "a table of traits", ".csv")  # it may exist
         return bake_all(plants, options, outputs)
     elif outputs.cluster:
         raise InputError("--cluster is for many plants, each a folder of scans; this is one.")

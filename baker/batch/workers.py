@@ -1,7 +1,7 @@
 """Workers that bake plants: processes on this machine, or those of a dask cluster.
 
 Both contexts yield the function that submits tasks, as `concurrent.futures.Executor.submit` does.
-If a worker is killed, its task is tried again by another one, and at last raises an exception.
+If a worker is killed, its task is tried again by another one, and raises an exception at last.
 """
 
 import logging

@@ -13,7 +13,7 @@ from baker.geometry.morton import morton_order
 from baker.geometry.parallel import MapLike
 
 NEIGHBORS = 10  # enough to include the next segment for points at the border of a segment
-NEIGHBORS_FOR_RADIUS = 8  # the radius of a point's neighbourhood is the distance to its 8th one
+NEIGHBORS_FOR_RADIUS = 8  # the radius of a neighbourhood is the distance to the 8th neighbour
 OUTLIER_RATIO = 10.0  # radius of the neighbourhood of an outlier : median radius
 BLOCK_SIZE = 4_000  # points that are processed together
 

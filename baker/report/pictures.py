@@ -21,8 +21,8 @@ from traits.doubts import Doubt
 
 PLAYER_TIMEOUT = 600.0  # seconds
 SIZE = "300x300"  # of one picture
-MAX_SCANS_PICTURED = 12
-MAX_DOUBTS_PICTURED = 3  # intervals, the most doubtful ones
+MAX_SCANS_PICTURED = 12  # number of scans that are shown
+MAX_DOUBTS_PICTURED = 3  # number of the most doubtful intervals that are shown
 NEUTRAL_COLOR = (150, 158, 146)  # of organs that are not in doubt
 
 Job = tuple[Clip, Sequence[float], Sequence[str]]

@@ -76,7 +76,7 @@ def _require_file(path: Path) -> None:
 
 
 def _describe(folder: Path, entries: Sequence[Path], scans: Sequence[Path]) -> str:
-    """What a folder of fewer than two scans holds, and what to do about it."""
+    """Describe a folder of fewer than two scans for an error message, with advice."""
     suffixes = {suffix_of(path) for path in entries if path.is_file()}
     if not scans and suffixes & IMAGES:
         needed = "at least fx, fy, cx and cy, in pixels"

@@ -1,4 +1,4 @@
-"""Choose the field of a series that labels its organs, and drop the points of unwanted labels.
+"""Choose the field of a series that labels its organs, and drop the points of drops labels.
 
 The choice is made for all scans together. A field that is constant or holds fractions does not
 label organs; one whose values each have several connected components labels classes (stem, leaf)
@@ -103,9 +103,9 @@ def drop_labels(
     keep_ground: whether labels of `GROUND_WORDS` stay. Raises InputError if no scan has a label of
     `dropped`, or a scan has no other labels.
     """
-    asked = set(filter(None, dropped.lower().split(",")))
+    drops = set(filter(None, dropped.lower().split(",")))
     ground = set() if keep_ground else GROUND_WORDS
-    found, removed, remaining = set[str](), set[str](), []
+    all_texts, removed, remaining = set[str](), set[str](), []
     for scan in scans:
         labels = [] if scan.labels is None else [scan.labels]
         fields_of_words = (field for field in scan.fields.values() if field.dtype.kind == "U")
@@ -113,15 +113,15 @@ def drop_labels(
         for values in (*labels, *fields_of_words):
             distinct, index = np.unique(values, return_inverse=True)
             texts = [words.get(label, str(label)).lower() for label in distinct.tolist()]
-            is_unwanted = [t in asked or bool(ground & {*re.findall("[a-z]+", t)}) for t in texts]
+            is_unwanted = [t in drops or bool(ground & {*re.findall("[a-z]+", t)}) for t in texts]
             is_removed |= np.array(is_unwanted, bool)[index]
-            found.update(texts)
+            all_texts.update(texts)
             removed.update(compress(texts, is_unwanted))
         if is_removed.all():
             raise InputError(f"'{scan.path}': without the labels to drop no points are left.")
         remaining.append(scan.take(np.flatnonzero(~is_removed)) if is_removed.any() else scan)
-    if missing := sorted(asked - found):
-        listed = excerpt(", ".join(sorted(found, key=natural_key))) or "none"
+    if missing := sorted(drops - all_texts):
+        listed = excerpt(", ".join(sorted(all_texts, key=natural_key))) or "none"
         raise InputError(f"--drop-label {missing[0]}: no scan has such a label; found: {listed}.")
     if not removed:
         return list(scans), ()

@@ -124,9 +124,9 @@ class Listing:
         use_labels = options.labels != "ignore" or bool(options.drop_label)
         if self.images:
             return self.images.read(path, use_labels)
-        names, carried = ([*filter(None, o.split(","))] for o in (options.columns, options.fields))
+        names, fields = ([*filter(None, o.split(","))] for o in (options.columns, options.fields))
         columns = read_columns(path, names, child)
-        return choose_fields(columns, path, options.label_field, use_labels, carried)
+        return choose_fields(columns, path, options.label_field, use_labels, fields)
 
 
 def list_series(

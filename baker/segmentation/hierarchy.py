@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-NO_PARENT = -1
+NO_PARENT = -1  # the parent of a root
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Segment scans without labels into organs: stem with petioles, leaf blades, bare branches.
 
 The scans are segmented from the last one to the first, and the organs of the next scan at the same
-place are taken into account: a leaf that is unfolded on day 9 shows what the bud of day 5 is. The
-previous scan would not help, since it has a stem or nothing at the place of a new leaf.
+position are taken into account: a leaf that is unfolded on day 9 identifies its bud of day 5. The
+previous scan would not help, since a new leaf has no organ, or the stem, in its position there.
 """
 
 from collections.abc import Sequence

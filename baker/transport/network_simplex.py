@@ -36,9 +36,9 @@ from numpy.typing import NDArray
 from baker.transport.compiled import compiled
 from baker.transport.problem import Edges, Masses
 
-NO_NODE: Any = np.uint32(0xFFFFFFFF)
+NO_NODE: Any = np.uint32(0xFFFFFFFF)  # in the place of the index of a node
 TOLERANCE = 1e-12  # share of the largest cost; reduced costs above minus this are not negative
-UNBOUNDED = 2**62
+UNBOUNDED = 2**62  # more than any flow
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]

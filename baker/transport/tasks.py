@@ -11,8 +11,8 @@ from baker.transport.problem import Points
 
 # Number of points from which a new organ unfolds (docs/method.md, row 16).
 ATTACHMENT_SHARE, ORGAN_SHARE = 0.01, 0.1  # of the parent's points; greatest, of the organ's
-MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 3, 100
-PAPER_MIN_ATTACHMENT_POINTS = 10
+MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 3, 100  # limits of that number
+PAPER_MIN_ATTACHMENT_POINTS = 10  # its lower limit with `paper`
 SAMPLE_RATIO = 10  # points sampled for each attachment point, to bound the search for these
 
 

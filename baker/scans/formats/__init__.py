@@ -34,8 +34,8 @@ READERS = {
 NATIVE = {"las", "e57", "mesh"}  # modules whose libraries may crash on a damaged file
 
 KNOWN = f"{', '.join(READERS)}, and any of these gzipped (.ply.gz)"
-# A file may unpack to at most UNPACKED_BYTES + BYTES_PER_BYTE times its size; native code may use
-# at most NATIVE_BYTES + BYTES_PER_BYTE times its size of memory.
+# Limits in bytes: a file may unpack to UNPACKED_BYTES plus BYTES_PER_BYTE times its size, and
+# native code may use NATIVE_BYTES plus BYTES_PER_BYTE times its size of memory.
 BYTES_PER_BYTE = 100
 UNPACKED_BYTES, NATIVE_BYTES = 64 << 20, 1 << 30
 

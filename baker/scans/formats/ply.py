@@ -73,8 +73,8 @@ def _parse_header(header: str) -> tuple[str, dict[str, tuple[int, Types]]]:
             case [] | ["comment" | "obj_info", *_]:
                 pass
             case _:
-                found = excerpt(line.strip())
-                raise FormatError(f"has a PLY header whose line '{found}' is unknown or repeated.")
+                wrong = excerpt(line.strip())
+                raise FormatError(f"has a PLY header whose line '{wrong}' is unknown or repeated.")
     return order, elements
 
 

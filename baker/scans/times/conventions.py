@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
-DAYS = {"week": 7.0, "day": 1.0, "hour": 1 / 24, "minute": 1 / 1440}
-DATES = "dates"
+DAYS = {"week": 7.0, "day": 1.0, "hour": 1 / 24, "minute": 1 / 1440}  # in a unit of time
+DATES = "dates"  # the kind of conventions of calendar dates
 WEAK_RANK = 4  # conventions of this rank and above also match numbers that are not times
 
 

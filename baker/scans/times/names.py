@@ -22,8 +22,8 @@ from gclip.config_file import read_text
 DEFAULT_YEARS = ("2001", "2000")  # of dates without a year; the second one has a 29 February
 MAX_GAP_WITHIN_YEAR = 183  # days; after a longer gap, dates without a year are in the year before
 MAX_SPAN = 1100  # days from first to last; numbers that span more are not dates
-MAX_TIME_CHARACTERS = 100
-MAX_FILE_BYTES = 1 << 24
+MAX_TIME_CHARACTERS = 100  # of a time in a file or list
+MAX_FILE_BYTES = 1 << 24  # of a times file
 
 
 @dataclass(frozen=True)
