@@ -12,8 +12,7 @@ from baker.errors import InputError, excerpt, input_errors
 from corrections import Correction, Corrections, read_corrections
 
 MAX_COORDINATE = 1e12  # of the plant base, in the unit of the scans
-# What "auto" stands for; options that are not listed are decided from the series.
-DEFAULTS = {"segment": "organs", "paths": "curved"}
+DEFAULTS = {"segment": "organs", "paths": "curved"}  # of options that are "auto"; see `resolved`
 PAPER_DEFAULTS = {"align": "icp", "segment": "thin", "transport": "sinkhorn", "paths": "straight"}
 
 Check = tuple[Callable[[Any], Any], str]

@@ -244,7 +244,7 @@ def _segment(
         bases,
         aligned.neighbors,
         consistent=labels.consistent,
-        agreeing=not options.paper,
+        same_parents=not options.paper,
         virtual_root=options.root == "virtual",
         map=map,
     )

@@ -74,7 +74,7 @@ def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
 def hold_out(
     series: Series, keyframes: Sequence[Keyframe], every: int | None
 ) -> tuple[Series, list[Keyframe], tuple[ScanMark, ...]]:
-    """Split an aligned series into the scans to bake and those left out for verification.
+    """Split an aligned series into the scans to bake and those left out (section 4, Figure 13).
 
     Parameters
     ----------
@@ -92,10 +92,6 @@ def hold_out(
     ------
     InputError
         If no scan would be left out.
-
-    References
-    ----------
-    Section 4 of the paper, Figure 13.
     """
     left_out = held_out_scans(len(series.scans), every)
     if every is not None and not left_out:

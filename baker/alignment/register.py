@@ -51,7 +51,7 @@ def align(
     progress: Callable[[str, int, int], None] | None = None,
     map: MapLike = map,
 ) -> Alignment:
-    """Align the scans of a series to the frame of the first one.
+    """Align the scans of a series to the frame of the first one (section 3.1 of the paper).
 
     Parameters
     ----------
@@ -73,10 +73,6 @@ def align(
     Returns
     -------
     Alignment
-
-    References
-    ----------
-    Section 3.1 of the paper.
     """
     progress = progress or (lambda stage, done, total: None)
     scans = series.scans

@@ -67,7 +67,7 @@ def common_base(
     ]
     bases = np.array([_likely_base(cloud, vertical) for cloud in clouds])
     radius = MAX_BASE_OFFSET * max(float(np.ptp(s.points, axis=0).max()) for s in samples)
-    agreeing = np.full_like(bases, np.nan)
+    common = np.full_like(bases, np.nan)
     for base, sample in zip(bases, samples, strict=True):
         candidates = np.array(
             [
@@ -75,12 +75,12 @@ def common_base(
                 for target, cloud in zip(samples, clouds, strict=True)
             ]
         )
-        if np.isnan(candidates).sum() < np.isnan(agreeing).sum():
-            agreeing = candidates
-    in_place = ~np.isnan(agreeing[:, 0])
+        if np.isnan(candidates).sum() < np.isnan(common).sum():
+            common = candidates
+    in_place = ~np.isnan(common[:, 0])
     if 3 * in_place.sum() < 2 * len(samples):
         in_place[:] = False
-    return np.where(in_place[:, None], agreeing, bases), in_place
+    return np.where(in_place[:, None], common, bases), in_place
 
 
 def _base_near(position: Points, points: Points, radius: float, vertical: Vertical) -> Points:

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from baker.geometry.morton import morton_order
 from baker.geometry.parallel import MapLike
 
+Points = NDArray[np.floating]
+
 NEIGHBORS = 10  # enough to include the next segment for points at the border of a segment
 NEIGHBORS_FOR_RADIUS = 8  # the radius of a neighbourhood is the distance to the 8th neighbour
 OUTLIER_RATIO = 10.0  # radius of the neighbourhood of an outlier : median radius
@@ -45,9 +47,7 @@ class Neighbors:
         )
 
 
-def nearest_neighbors(
-    points: NDArray[np.floating], k: int = NEIGHBORS, map: MapLike = map
-) -> Neighbors:
+def nearest_neighbors(points: Points, k: int = NEIGHBORS, map: MapLike = map) -> Neighbors:
     """Query the k nearest other points of each point.
 
     Equivalent to ``KDTree(points).query(points, k + 1)`` without each point itself. The points are
@@ -90,17 +90,12 @@ def blocks(count: int) -> list[slice]:
     return [slice(begin, begin + BLOCK_SIZE) for begin in range(0, count, BLOCK_SIZE)]
 
 
-def point_spacing(points: NDArray[np.floating]) -> float:
+def point_spacing(points: Points) -> float:
     """Median distance from (N, 3) points to their nearest neighbours; 0 for N < 2."""
     return nearest_neighbors(points, 1).spacing if len(points) > 1 else 0.0
 
 
-def interpolate(
-    points: NDArray[np.floating],
-    samples: NDArray[np.floating],
-    values: NDArray[np.floating],
-    k: int,
-) -> NDArray[np.float64]:
+def interpolate(points: Points, samples: Points, values: Points, k: int) -> NDArray[np.float64]:
     """Interpolate values of samples by inverse distance weighting of the k nearest (Shepard 1968).
 
     Parameters

@@ -24,7 +24,7 @@ def normals_and_areas(
     Returns
     -------
     normals : (N, 2) uint8
-        Octahedral codes.
+        Octahedral codes (docs/format.md, "Normals").
     area : (N,) float64
         In squared length units.
     """
@@ -33,16 +33,10 @@ def normals_and_areas(
 
 
 def covariances(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np.float64]:
-    """Covariance of the positions of each point and its neighbours.
+    """(6, N) covariance of the positions of each point and its neighbours, in squared units.
 
-    Parameters
-    ----------
-    points, neighbors : (N, 3) float, Neighbors
-
-    Returns
-    -------
-    (6, N) float64
-        The elements xx, yy, zz, xy, yz and zx, in squared units of the points.
+    The elements are xx, yy, zz, xy, yz and zx. Equivalent, for each point with neighbours j, to
+    ``np.cov(points[[i, *j]].T, bias=True)``.
     """
     covariance = np.empty((6, len(points)))
     columns = np.ascontiguousarray(points.T, np.float64)
@@ -59,22 +53,13 @@ def covariances(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[n
 
 
 def point_area(covariance: NDArray[np.float64], neighbors: Neighbors) -> NDArray[np.float64]:
-    """Area of the surface that each point represents, up to a common factor.
+    """(N,) area of the surface that each point represents, up to a common factor.
 
     On a surface it is the squared distance to the last neighbour. On a twig thinner than the point
     spacing, it is limited by the area of a disk with the same covariance as the neighbourhood. The
-    area of isolated points is limited by a quantile of all.
+    area of isolated points is limited by a quantile of all areas; that of a single point is 1.
 
-    Parameters
-    ----------
-    covariance : (6, N) float64
-        As `covariances` returns it.
-    neighbors : Neighbors
-
-    Returns
-    -------
-    (N,) float64
-        In squared units of the points; 1 for a single point.
+    covariance: (6, N) as `covariances` returns it.
     """
     if not neighbors.indices.size:
         return np.ones(len(neighbors.indices))
@@ -89,21 +74,12 @@ def point_area(covariance: NDArray[np.float64], neighbors: Neighbors) -> NDArray
 
 
 def surface_normals(covariance: NDArray[np.float64], neighbors: Neighbors) -> NDArray[np.uint8]:
-    """Normals of planes fitted to the neighbourhood of each point.
+    """(N, 2) octahedral codes of normals of planes fitted to the neighbourhood of each point.
 
     The covariance is averaged over the neighbours, which makes the normals as smooth as with three
-    times as many neighbours, without another query.
+    times as many neighbours, without another query. The sign of a normal is arbitrary.
 
-    Parameters
-    ----------
-    covariance : (6, N) float64
-        As `covariances` returns it.
-    neighbors : Neighbors
-
-    Returns
-    -------
-    (N, 2) uint8
-        Octahedral codes (docs/format.md, "Normals"), without the sign of the normal.
+    covariance: (6, N) as `covariances` returns it.
 
     References
     ----------

@@ -48,15 +48,11 @@ def with_colors(
         Scans are as they were read.
     colors : {"scan", "segment", "none"}
         "segment" colours segments by their numbers (or labels) in each scan, so that the colours of
-        matched segments are interpolated over time, which shows the matching.
+        matched segments are interpolated over time and show the matching (the paper's Figure 8).
 
     Returns
     -------
     list of Keyframe
-
-    References
-    ----------
-    Figure 8 of the paper, for "segment".
     """
     if colors == "scan":
         return list(keyframes)

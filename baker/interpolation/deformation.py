@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.rigid import rotations_between
 from baker.geometry.sampling import farthest_point_sample
-from baker.interpolation.spine import Points, Spine, at_levels, levels, unit
+from baker.interpolation.spine import Points, Spine, interpolate_nodes, node_positions, unit
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
@@ -44,11 +44,11 @@ def spine_deformation(
     """
     i, j = landmarks
     knots = _landmark_levels(before.along[i], after.along[j])
-    tangents = unit(at_levels(after.tangents, np.interp(levels(), *knots)))
-    centers = at_levels(after.nodes, np.interp(before.along, *knots))
-    rotations = at_levels(rotations_between(before.tangents, tangents), before.along)
-    offsets = source - at_levels(before.nodes, before.along)
-    target_offsets = target - at_levels(after.nodes, after.along)
+    tangents = unit(interpolate_nodes(after.tangents, np.interp(node_positions(), *knots)))
+    centers = interpolate_nodes(after.nodes, np.interp(before.along, *knots))
+    rotations = interpolate_nodes(rotations_between(before.tangents, tangents), before.along)
+    offsets = source - interpolate_nodes(before.nodes, before.along)
+    target_offsets = target - interpolate_nodes(after.nodes, after.along)
     radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offsets, target_offsets)]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
     return centers + width * np.einsum("nij,nj->ni", rotations, offsets)
@@ -101,6 +101,7 @@ def register_nonrigid(
         sums = (weights @ (trust[:, None] * products)).reshape(-1, 4, 4)
         moments = (homogeneous[:, :, None] * shift[:, None]).reshape(-1, 12)
         targets = (weights @ moments).reshape(-1, 4, 3)
+        # The normal equations of all maps, (CENTERS, 4, 3); then the blended map of each point.
         maps = np.linalg.solve(sums + ridge * sums[:, 3:, 3:], targets)
         local = (blend.T @ maps.reshape(-1, 12)).reshape(-1, 4, 3)
         deformed = source + np.einsum("ni,nij->nj", homogeneous, local)

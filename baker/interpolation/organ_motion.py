@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from baker.geometry.neighbors import interpolate
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.organ_shapes import OrganShape
-from baker.interpolation.spine import Points, at_levels, fit_spine, unit
+from baker.interpolation.spine import Points, fit_spine, interpolate_nodes, unit
 
 # Range of the unevenness of a deformation. Below it, an organ turns evenly in time; above it, it
 # turns as it grows (docs/method.md, "Motion of organs").
@@ -28,7 +28,7 @@ class OrganMotion:
     sample: Points  # (n, 3) points in the first scan
     along: NDArray[np.float64]  # (n,) their positions along the spine, 0 to 1
     deformed: Points  # (n, 3) their positions in the second scan
-    deviations: Points  # (LEVELS, 3) of the spine's nodes from their chords, at mid-interval
+    deviations: Points  # (NODES, 3) of the spine's nodes from their chords, at mid-interval
     is_reversed: bool = False  # whether the second scan was deformed onto the first
 
     def registered(
@@ -43,7 +43,7 @@ class OrganMotion:
     def deviation(self, points: NDArray[np.floating]) -> Points:
         """(n, 3) deviation at mid-interval, from their chords, of movers that start at points."""
         along = interpolate(points, self.sample, self.along, NEIGHBORS)
-        return at_levels(self.deviations, along)
+        return interpolate_nodes(self.deviations, along)
 
 
 def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
@@ -68,7 +68,7 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
 
 
 def mid_spine(start: Points, end: Points, share: float) -> Points:
-    """(LEVELS, 3) nodes of a spine at mid-interval.
+    """(NODES, 3) nodes of a spine at mid-interval.
 
     It is integrated from the attachment, so that it keeps its length where chords would cut across
     a bend. The length of each segment is the squared mean of the square roots of its lengths: young
@@ -90,7 +90,7 @@ def mid_spine(start: Points, end: Points, share: float) -> Points:
 def growth_share(start: Points, end: Points, uneven: float) -> float:
     """The `share` of `mid_spine`: 0 if an organ turns evenly in time, 1 if it turns as it grows.
 
-    The more an organ grows, the less even its deformation is. start, end: (LEVELS, 3) nodes in both
+    The more an organ grows, the less even its deformation is. start, end: (NODES, 3) nodes in both
     scans. uneven: as `unevenness` returns it.
     """
     lengths = [np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum() for nodes in (start, end)]

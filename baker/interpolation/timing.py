@@ -25,6 +25,7 @@ MIN_SHIFT = 0.1  # in point spacings; smaller shifts are not visible
 MIN_POINTS_FOR_RADIUS = 20  # of an organ whose growth is measured
 
 Floats = NDArray[np.float64]
+Clouds = Sequence[NDArray[np.floating]]
 
 
 @dataclass(frozen=True)
@@ -42,10 +43,7 @@ class Timing:
 
 
 def organ_timings(
-    clouds: Sequence[NDArray[np.floating]],
-    matches: Sequence[Match],
-    times: Sequence[float],
-    spacing: float,
+    clouds: Clouds, matches: Sequence[Match], times: Sequence[float], spacing: float
 ) -> list[dict[int, Timing]]:
     """Estimate how far organs are beyond the middle of their paths at mid-interval.
 
@@ -76,9 +74,7 @@ def organ_timings(
     ]
 
 
-def _changes(
-    clouds: Sequence[NDArray[np.floating]], matches: Sequence[Match]
-) -> tuple[Floats, Floats]:
+def _changes(clouds: Clouds, matches: Sequence[Match]) -> tuple[Floats, Floats]:
     """(K, M, 3) displacements of the centroids and (K, M, 1) increases of the radii of M organs.
 
     They are NaN in intervals in which an organ is not matched or too small.

@@ -165,10 +165,6 @@ def with_corrected_links(
         The organ of each point of each scan.
     corrections : sequence of PointCorrection
 
-    Returns
-    -------
-    list of (N,) int64
-
     Raises
     ------
     InputError

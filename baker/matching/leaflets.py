@@ -85,12 +85,12 @@ def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> 
 
 @dataclass(frozen=True)
 class _Leaflets:
-    """Centroids (k, 3), radii, numbers of points and shares of the organ's points, (k,) each."""
+    """The k leaflets of an organ in one scan."""
 
-    centroid: Floats
-    radius: Floats
-    count: Floats
-    share: Floats
+    centroid: Floats  # (k, 3)
+    radius: Floats  # (k,) root mean square distance of the points from the centroid
+    count: Floats  # (k,) number of points
+    share: Floats  # (k,) of the organ's points
 
     @classmethod
     def of(cls, points: Points, leaflet: Indices) -> Self:

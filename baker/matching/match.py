@@ -53,7 +53,7 @@ def match_series(
     distance: Distance,
     report_progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> list[Match]:
-    """Match each scan of a series to the next one.
+    """Match each scan of a series to the next one (section 3.3 of the paper).
 
     Segments that are merged for one interval stay merged in the next interval.
 
@@ -74,10 +74,6 @@ def match_series(
     -------
     list of Match
         One for each interval.
-
-    References
-    ----------
-    Section 3.3 of the paper.
     """
     matches: list[Match] = []
     done, total = 0, sum(len(hierarchy.segments) for hierarchy in hierarchies[1:])

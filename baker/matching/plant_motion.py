@@ -83,6 +83,7 @@ def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Float
     moved = np.einsum("hxy,ky->hkx", rotations, offsets[0] * growth)
     distance = np.linalg.norm(moved[:, :, None] - offsets[1] / growth, axis=-1)
     cosines = np.einsum("hxy,ky,lx->hkl", rotations, first.directions, second.directions)
+    # For rotation h and organs k and l: cosines[h, k, l] = rotations[h] @ first[k] @ second[l].
     scores = np.maximum(shape_scores(first, second, distance, cosines), 0.0)
     # An upper bound of the mean score of any matching: the maxima of rows, or those of columns.
     bound = np.minimum(scores.max(axis=2).sum(axis=1), scores.max(axis=1).sum(axis=1))

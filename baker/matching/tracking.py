@@ -19,6 +19,9 @@ from baker.matching.plant_motion import plant_motions
 from baker.matching.score import match_scores
 from baker.segmentation.hierarchy import Hierarchy
 
+PairScores = Mapping[tuple[int, int], NDArray[np.float64]]
+"""(earlier scan, later scan) -> (n, m) scores of the pairs of their organs"""
+
 # docs/method.md, "Tracking organs".
 GAP_FACTORS = (1.0, 0.9, 0.8)  # of the score of a successor in the next, second and third scan
 ROUNDS = 4  # number of times that pairs are scored and tracks are found
@@ -71,7 +74,7 @@ def _linked(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> NDArray
 
 
 def chain_organs(
-    distances: Sequence[NDArray[np.floating]], scores: Mapping[tuple[int, int], NDArray[np.float64]]
+    distances: Sequence[NDArray[np.floating]], scores: PairScores
 ) -> list[NDArray[np.int64]]:
     """Chain organs into tracks of the largest total score.
 
@@ -87,9 +90,7 @@ def chain_organs(
     return np.split(tracks, starts[1:-1])
 
 
-def _predecessors(
-    starts: NDArray[np.intp], scores: Mapping[tuple[int, int], NDArray[np.float64]]
-) -> NDArray[np.intp]:
+def _predecessors(starts: NDArray[np.intp], scores: PairScores) -> NDArray[np.intp]:
     """The predecessor of each organ, numbered over all scans; itself if it has none."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import min_weight_full_bipartite_matching

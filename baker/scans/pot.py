@@ -1,6 +1,6 @@
 """Find the pot that a plant grows in, where its wall shows all around.
 
-The soil within the wall, and above its foot, is then found like any ground.
+The soil is then searched for within the wall, as any ground is.
 """
 
 from dataclasses import dataclass

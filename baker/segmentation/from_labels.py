@@ -38,11 +38,11 @@ def labelled_hierarchies(
     neighbors: Sequence[Neighbors],
     *,
     consistent: bool,
-    agreeing: bool,
+    same_parents: bool,
     virtual_root: bool,
     map: MapLike = map,
 ) -> list[Hierarchy]:
-    """Build the hierarchy of each scan from the labels of its points.
+    """Build the hierarchy of each scan from the labels of its points (section 3.2.1 of the paper).
 
     Parameters
     ----------
@@ -50,7 +50,7 @@ def labelled_hierarchies(
         For each scan: (N, 3) points, (N,) labels, the point at the plant base, `Neighbors`.
     consistent : bool
         Whether an organ has the same label in all scans; they then have the same root.
-    agreeing : bool
+    same_parents : bool
         Whether an organ with consistent labels has the same parent in all scans.
     virtual_root : bool
         Whether no label is the stem: all segments become children of an empty root.
@@ -60,15 +60,11 @@ def labelled_hierarchies(
     Returns
     -------
     list of Hierarchy
-
-    References
-    ----------
-    Section 3.2.1 of the paper.
     """
     if virtual_root:
         return [under_virtual_root(scan_labels) for scan_labels in labels]
     gaps = list(map(segment_gaps, clouds, labels, neighbors))
-    ranks = parent_ranks(labels, gaps) if consistent and agreeing else None
+    ranks = parent_ranks(labels, gaps) if consistent and same_parents else None
     roots = [int(scan_labels[base]) for scan_labels, base in zip(labels, bases, strict=True)]
     if consistent:  # in a late scan, a drooping leaf may hang lower than the base of the stem
         usual = Counter(roots).most_common(1)[0][0]

@@ -21,7 +21,7 @@ def hierarchy_from_spanning_tree(
     k: int = 15,
     threshold: int | None = None,
 ) -> Hierarchy:
-    """Segment a cloud at the bifurcations of its minimum spanning tree.
+    """Segment a cloud at the bifurcations of its minimum spanning tree (section 3.2.2).
 
     Parameters
     ----------
@@ -39,10 +39,6 @@ def hierarchy_from_spanning_tree(
     Returns
     -------
     Hierarchy
-
-    References
-    ----------
-    Section 3.2.2 of the paper.
     """
     from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 

@@ -73,7 +73,7 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
     """Compute the Reeb graph of the geodesic distance from the base, with its loops cut."""
     level = (sample.distance / sample.thickness).astype(np.intp)
     node, parent, depth = np.full(len(level), -1), list[int](), list[int]()
-    # The first point of the shortest path to each point that is in the same level set.
+    # On the shortest path to each point, the point where it enters the level set of that point.
     previous = sample.predecessor
     is_inside = (previous >= 0) & (level[previous] == level)
     entry = chain_ends(np.where(is_inside, previous, np.arange(len(level))))
@@ -99,15 +99,15 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
 
 
 def _level_components(graph: "csr_matrix", level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
-    """The connected components of all level sets, sorted by level."""
+    """The points of each connected component of all level sets, sorted by level."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
     edges = graph.tocoo()
     inside = level[edges.row] == level[edges.col]
     shape = edges.shape
-    kept = coo_matrix((edges.data[inside], (edges.row[inside], edges.col[inside])), shape)
-    _, component = connected_components(kept, directed=False)
+    within_levels = coo_matrix((edges.data[inside], (edges.row[inside], edges.col[inside])), shape)
+    _, component = connected_components(within_levels, directed=False)
     order = np.lexsort((component, level))
     return np.split(order, np.flatnonzero(np.diff(component[order])) + 1)
 

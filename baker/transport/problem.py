@@ -18,7 +18,7 @@ Indices = NDArray[np.integer]
 Masses = NDArray[np.int64]  # in integer units, so that sums are exact
 Edges = tuple[Indices, Indices]  # rows and columns of the pairs that may carry mass
 
-# Of `shared_masses`.
+# Of `overlap_masses`.
 NEIGHBORS = 10  # points of the other cloud are counted within the distance of this neighbour
 MIN_SHARE = 0.02  # least mass, as a share of a uniform one, so that every point is transported
 MAX_SAMPLE = 250  # points of a cloud whose masses are computed, along the Morton curve
@@ -40,7 +40,7 @@ class TransportOptions:
     iterations: int = 2000  # Sinkhorn: most iterations
     seed: int = 0  # of the directions of bisections
     workers: int = 1  # number of threads of the exact method; the plan does not depend on it
-    shared: bool = False  # exact: `shared_masses` instead of `uniform_masses`
+    overlap: bool = False  # exact: `overlap_masses` instead of `uniform_masses`
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ def uniform_masses(n: int, m: int) -> tuple[Masses, Masses]:
     return np.full(n, m // common), np.full(m, n // common)
 
 
-def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
+def overlap_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
     """Masses of registered clouds, smaller for points without counterparts in the other cloud.
 
     The mass of a point is proportional to the number of points of the other cloud within the

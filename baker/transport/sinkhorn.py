@@ -18,6 +18,8 @@ from baker.transport.problem import (
 )
 from baker.transport.space_partition import bisection_plan
 
+Floats = NDArray[np.float64]
+
 FEASIBLE_PLANS = 4  # number of bisection plans that are added to the support
 OVER_RELAXATION = 1.8  # needs 7 to 10 times fewer iterations than 1
 CHEAP_ITERATIONS = 50  # number of plain iterations after each one in the log domain
@@ -137,17 +139,13 @@ def _iterate(kernel: Any, count: int, relaxation: float) -> tuple[NDArray[np.flo
     return v, count
 
 
-def _log_sum_exp(
-    values: NDArray[np.float64], group: Indices, first: Indices
-) -> NDArray[np.float64]:
+def _log_sum_exp(values: Floats, group: Indices, first: Indices) -> Floats:
     """log(sum(exp(values))) of each group of consecutive entries."""
     top = np.maximum.reduceat(values, first)
     return top + np.log(np.add.reduceat(np.exp(values - top[group]), first))
 
 
-def _drop_small(
-    support: Edges, cost: NDArray[np.float64], mass: NDArray[np.float64], n: int, m: int
-) -> tuple[Edges, NDArray[np.float64]]:
+def _drop_small(support: Edges, cost: Floats, mass: Floats, n: int, m: int) -> tuple[Edges, Floats]:
     """Drop pairs with hardly any mass, but keep the largest or else cheapest pair of each point."""
     is_kept = mass > MIN_MASS / max(n, m)
     for side in support:

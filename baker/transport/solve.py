@@ -10,7 +10,7 @@ from baker.transport.problem import (
     balance,
     costs,
     make_plan,
-    shared_masses,
+    overlap_masses,
     uniform_masses,
 )
 from baker.transport.sinkhorn import regularized_plan
@@ -55,7 +55,7 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
     # `balance` improves the choice of pairs to price; of few points, all pairs are priced.
     if options.power == 2 and min(n, m) > MAX_POINTS_PRICED_AT_ONCE:
         source, target = balance(start, end)
-    masses = shared_masses(start, end) if options.shared else uniform_masses(n, m)
+    masses = overlap_masses(start, end) if options.overlap else uniform_masses(n, m)
     edges, mass = multiscale_plan(source, target, *masses, options)
     flow = mass / mass.sum()
     return make_plan(start, end, edges, flow, options.power, "network simplex", masses=masses)

@@ -32,10 +32,7 @@ class Frame(NamedTuple):
 
 
 def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
-    """Find the frames of a folder, one for each colour image, in natural order of their names.
-
-    Raises InputError if there are fewer than two, or one has no depth or label image.
-    """
+    """Find the frames of a folder, one for each colour image, in natural order of their names."""
     files_of_kind: dict[str, dict[str, Path]] = {}
     for kind, pattern in asdict(patterns).items():
         before, _, after = Path(pattern).name.partition("*")

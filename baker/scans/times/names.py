@@ -153,10 +153,7 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
 
 
 def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Moment]:
-    """Convert the time of each scan: a number of days, a `datetime` date, or text as in a file.
-
-    Raises InputError for a time that can't be read, or another number of times than of names.
-    """
+    """Convert the time of each scan: a number of days, a `datetime` date, or text as in a file."""
     if len(times) != len(names):
         raise InputError(f"times holds {len(times)} times for {len(names)} scans.")
     return _parse([("times", str(time)) for time in times], "times")
