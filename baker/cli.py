@@ -26,12 +26,12 @@ PANELS = {
 
 
 def _with_flags(command: Callable[..., int]) -> Callable[..., int]:
-    """Give a command a parameter for each option among the fields of `Options` and `Outputs`."""
+    """Give a command one parameter for each field of `Options` and `Outputs` in `PANELS`."""
     *declared, _ = signature(command, eval_str=True).parameters.values()  # without **flags
     parameters = [parameter.replace(kind=Parameter.KEYWORD_ONLY) for parameter in declared]
     hints = get_type_hints(Options) | get_type_hints(Outputs)
-    hints |= {"root": str | None, "corrections": str | None}  # the texts that are parsed
-    by_name = {each.name: each for each in (*fields(Options), *fields(Outputs))}
+    hints |= {"root": str | None, "corrections": str | None}  # typer parses the text
+    by_name = {field.name: field for field in (*fields(Options), *fields(Outputs))}
     for name in " ".join(PANELS.values()).split():
         settings = dict(by_name[name].metadata["settings"])
         names = [f"--{name.replace('_', '-')}", *settings.pop("short", [])]
@@ -83,5 +83,5 @@ def bake_command(
 
 def main(argv: list[str] | None = None) -> int:
     """Run `bake` with these arguments (by default those of the process); returns the exit code."""
-    gc.set_threshold(10_000)  # a bake makes few cycles of objects
+    gc.set_threshold(10_000)  # a bake makes few reference cycles, so collect them less often
     return run_app(app, "bake", argv, PANELS)

@@ -13,13 +13,13 @@ class InputError(UserError):
 
 
 def excerpt(text: str) -> str:
-    """Shorten a text from a file so that a message can quote it."""
+    """Make a text printable and at most 60 characters long, so that a message can quote it."""
     return printable(text, 60)
 
 
 @contextmanager
 def input_errors(path: Path) -> Iterator[None]:
-    """Turn errors of the file system, while `path` is read, into an InputError that names it."""
+    """Raise errors of the file system while `path` is read as an InputError that names it."""
     try:
         yield
     except UserError as error:

@@ -11,12 +11,12 @@ from msgspec import to_builtins
 from baker.errors import InputError, excerpt, input_errors
 from corrections import Correction, Corrections, read_corrections
 
-MAX_COORDINATE = 1e12
-DEFAULTS = {"segment": "organs", "paths": "curved"}  # of options that are "auto"
+MAX_COORDINATE = 1e12  # of the plant base, in the unit of the scans
+DEFAULTS = {"segment": "organs", "paths": "curved"}  # of options that are "auto"; see `resolved`
 PAPER_DEFAULTS = {"align": "icp", "segment": "thin", "transport": "sinkhorn", "paths": "straight"}
 
 Check = tuple[Callable[[Any], Any], str]
-"""Whether the value of an option is allowed, and what is needed if it is not."""
+"""A predicate of allowed values, and the words for them in the error message."""
 
 Root = tuple[float, float, float] | Literal["virtual"] | None
 
@@ -26,7 +26,11 @@ SHORT: Check = (lambda text: len(text) <= 100, "one of at most 100 characters")
 
 
 def option(default: Any, help: str, check: Check | None = None, **settings: Any) -> Any:
-    """A dataclass field that is an option of `bake`; settings: arguments of `typer.Option`."""
+    """Declare a dataclass field that is an option of `bake`.
+
+    help: the text of `bake --help`. check: of the value; by default all values are allowed or, with
+    `min` and `max`, all numbers in that range. settings: arguments of `typer.Option`.
+    """
     if "min" in settings:
         low, high = settings["min"], settings.get("max", inf)
         needed = f"at least {low}" if high == inf else f"from {low} to {high}"
@@ -36,7 +40,7 @@ def option(default: Any, help: str, check: Check | None = None, **settings: Any)
 
 
 def positive(default: float | None, metavar: str, help: str) -> Any:
-    """An option that is a number above 0."""
+    """Declare an option that is a number above 0."""
     return option(default, help, POSITIVE, metavar=metavar)
 
 
@@ -51,7 +55,7 @@ def _are_columns(text: str) -> bool:
 
 
 def parse_root(text: str) -> tuple[float, ...] | str:
-    """Parse the argument of --root: coordinates, or another text; `Options` checks which."""
+    """Parse the argument of --root: coordinates, or a word, which `Options` then checks."""
     try:
         return tuple(float(part) for part in text.split(","))
     except ValueError:
@@ -59,7 +63,7 @@ def parse_root(text: str) -> tuple[float, ...] | str:
 
 
 def parse_corrections(text: str) -> Corrections:
-    """Read the file of corrections that --corrections names. Raises InputError where it can't."""
+    """Read the file that --corrections names, or raise InputError; "none" stands for no file."""
     with input_errors(Path(text)):
         return Corrections() if text == "none" else read_corrections(Path(text))
 
@@ -191,15 +195,15 @@ class Options:
     def __post_init__(self) -> None:
         """Raise InputError for a wrong value, naming the option and what is allowed."""
         hints = get_type_hints(Options)
-        for each in fields(Options):
-            value, choices = getattr(self, each.name), get_args(hints[each.name])
-            check = each.metadata["check"]
-            if get_origin(hints[each.name]) is Literal:
+        for option_field in fields(Options):
+            value, choices = getattr(self, option_field.name), get_args(hints[option_field.name])
+            check = option_field.metadata["check"]
+            if get_origin(hints[option_field.name]) is Literal:
                 check = choices.__contains__, f"one of {', '.join(choices)}"
             if check and value is not None and not check[0](value):
-                found = excerpt(f"{value:g}" if isinstance(value, float) else str(value))
-                name = each.name.replace("_", "-")
-                raise InputError(f"--{name} is {found}; {check[1]} is needed.")
+                shown = excerpt(f"{value:g}" if isinstance(value, float) else str(value))
+                name = option_field.name.replace("_", "-")
+                raise InputError(f"--{name} is {shown}; {check[1]} is needed.")
         if self.corrections and (self.paper or self.whole or self.segment == "thin"):
             raise InputError(
                 "Corrections are of organs that are followed, not for --paper, --segment thin or "
@@ -212,9 +216,10 @@ class Options:
         return self.transport == "whole"
 
     def for_series(self, fixed_frame: bool, unit: str, root: Root) -> Self:
-        """Fill in options that were left open and that the series determines.
+        """Fill in the options that the user left open and that the series determines.
 
         fixed_frame: whether the scans are from a fixed camera: they share one frame with z up.
+        unit: of length, "" where unknown. root: "virtual" if no label is the stem of the others.
         """
         return replace(
             self,
@@ -236,7 +241,7 @@ class Options:
         return replace(self, **chosen)
 
     def provenance(self) -> dict[str, Any]:
-        """The options that influence the clip, as JSON, with the names of files only."""
+        """The options that influence the clip, as JSON; files are named without their folders."""
         complete = replace(self, corrections=tuple(self.corrections or ()))
         document: dict[str, Any] = to_builtins(complete, enc_hook=lambda path: path.name)
         del document["workers"]

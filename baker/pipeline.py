@@ -18,7 +18,7 @@ from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, reporting, thread_map, worker_count
 from baker.geometry.surface import normals_and_areas
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.attributes import painted, with_fields
+from baker.interpolation.attributes import with_colors, with_fields
 from baker.interpolation.interval_job import interval_jobs, solve_intervals
 from baker.interpolation.provenance import describe_provenance, describe_tracks
 from baker.matching.corrections import (
@@ -27,11 +27,11 @@ from baker.matching.corrections import (
     corrections_finding,
     locate_corrections,
     organ_names,
-    relinked,
+    with_corrected_links,
     with_corrected_organs,
 )
-from baker.matching.labels import LabelUse, follow_labels, label_policy
-from baker.matching.match import follow_organs, match_series
+from baker.matching.labels import LabelUse, label_policy, with_tracked_labels
+from baker.matching.match import chain_matches, match_series
 from baker.options import Options
 from baker.scans import Finding, Series, read_series
 from baker.segmentation.from_labels import coarse_hierarchies, labelled_hierarchies
@@ -54,7 +54,7 @@ class Survey:
 
     raw: Series  # all scans as they were read, including those left out
     series: Series  # the scans to bake
-    options: Options  # with what the series determines
+    options: Options  # completed by `Options.for_series`
     alignment: Alignment  # of all raw scans
     aligned: AlignedSeries
     held_out: tuple[ScanMark, ...]
@@ -63,7 +63,7 @@ class Survey:
 
     @property
     def findings(self) -> tuple[Finding, ...]:
-        """The decisions about the series, and what speaks against them."""
+        """The decisions about the series, with the doubts about them."""
         sizes = sorted({len(scan) for scan in self.series.scans})
         size = " to ".join(f"{size:,}" for size in dict.fromkeys((sizes[0], sizes[-1])))
         points = Finding("points", f"{len(self.series.scans)} scans of {size}")
@@ -71,15 +71,15 @@ class Survey:
         return (points, *(finding for stage in stages for finding in stage.findings))
 
 
-def bake_recorded(
+def bake_with_survey(
     paths: Sequence[str | Path],
     options: Options | None = None,
     progress: Progress | None = None,
     solve: Callable[..., Iterable[Interval]] | None = None,
     times: Sequence[object] | None = None,
-    announce: Callable[[Sequence[Finding]], None] | None = None,
+    report_findings: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, Survey]:
-    """Bake scans into a growth clip; also return the aligned series and the decisions about it.
+    """Bake scans into a growth clip; also return the aligned series and the findings about it.
 
     Parameters
     ----------
@@ -87,13 +87,18 @@ def bake_recorded(
         A folder of scans, or the scans' files.
     options : Options, optional
     progress : callable, optional
-        Called with the name of a stage, the steps done and their total.
+        Called with the name of a stage, the number of steps done and their total.
     solve : callable, optional
         `solve_intervals`, or a function like it that has a cache.
     times : sequence, optional
         The day or date of each scan; by default they are read from the names.
-    announce : callable, optional
+    report_findings : callable, optional
         Called with the findings about the series before segmentation begins.
+
+    Returns
+    -------
+    clip : Clip
+    survey : Survey
 
     Raises
     ------
@@ -102,19 +107,20 @@ def bake_recorded(
     """
     options, progress = options or Options(), progress or (lambda stage, done, total: None)
     workers = worker_count(options.workers)
-    # Threads end before those of the next stage begin, which then allocate in the same memory.
+    # These threads end before the next ones begin, so that the allocator reuses their memory.
     with thread_map(workers) as map:
         # Reading and alignment (section 3.1)
         survey = survey_series(paths, options, progress, map, times)
-        if announce:
-            announce(survey.findings)
+        if report_findings:
+            report_findings(survey.findings)
         series, aligned, options = survey.series, survey.aligned, survey.options
         choices = options.resolved()
 
         # Segmentation (3.2); without consistent labels, organs are tracked over the series (3.3)
         labels, hierarchies = _segment(survey, choices, progress, map)
-    keyframes = painted(aligned.keyframes, series.scans, hierarchies, options.colors)
-    nearest = tuple(near.first(1) for near in aligned.neighbors)  # from here on for spacings
+    keyframes = with_colors(aligned.keyframes, series.scans, hierarchies, options.colors)
+    # Later stages need the point spacing only; the other neighbours are not kept in memory.
+    nearest = tuple(neighbors.first(1) for neighbors in aligned.neighbors)
     aligned = replace(aligned, keyframes=tuple(keyframes), neighbors=nearest)
     survey = replace(survey, aligned=aligned)
 
@@ -126,7 +132,7 @@ def bake_recorded(
         distance=wasserstein,
         report_progress=partial(progress, "matching"),
     )
-    organs, matches = follow_organs(matches, labels.consistent)
+    organs, matches = chain_matches(matches, labels.consistent)
 
     # Transport (3.4) and interpolation, interval by interval
     intervals = zip(pairwise(aligned.clouds), matches, strict=True)
@@ -148,7 +154,7 @@ def bake_recorded(
             survey.raw, series, survey.alignment, labels, hierarchies, options
         ),
     )
-    confirmed = confirmed_organs(labels.given, survey.corrections)
+    confirmed = confirmed_organs(labels.available, survey.corrections)
     with thread_map(workers) as map:
         clip = judge_clip(clip, jobs, labels, confirmed, map)
     return with_fields(clip, aligned.clouds, series.scans), survey
@@ -166,7 +172,7 @@ def survey_series(
     Parameters
     ----------
     paths, options, progress, times
-        As in `bake_recorded`.
+        As in `bake_with_survey`.
     map : map-like callable
         Maps over the scans.
     """
@@ -179,14 +185,14 @@ def survey_series(
     alignment = align(raw, choices.align, choices.up, root, progress, map)
     series, frames, held_out = hold_out(raw, aligned_keyframes(raw, alignment), options.holdout)
 
-    # What later stages ask of points: one scan at a time, since scans differ in size.
+    # Neighbours are found for one scan after another, each in parallel, since scans differ in size.
     clouds, vertical = [frame.positions for frame in frames], Vertical.named(alignment.up)
     neighbors = [nearest_neighbors(cloud, map=map) for cloud in clouds]
     surfaces = map(normals_and_areas, clouds, neighbors)
     if not options.paper:
         series = replace(series, scans=tuple(map(with_clean_labels, series.scans, neighbors)))
-    is_found = root is None and not options.paper
-    positions = [frame.base if is_found else root for frame in frames]
+    is_estimated = root is None and not options.paper
+    positions = [frame.base if is_estimated else root for frame in frames]
     bases = map(base_point, clouds, repeat(vertical), neighbors, positions)
     keyframes = tuple(
         replace(frame, normals=normals, area=area if choices.even else None)
@@ -195,9 +201,10 @@ def survey_series(
     days = tuple(scan.time for scan in series.scans)
     aligned = AlignedSeries(days, keyframes, tuple(neighbors), tuple(bases), vertical)
 
-    given, names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
-    places = aligned.clouds, aligned.bases
-    labels = label_policy(given, names, *places, choices.labels, raw.label_field)
+    labels_and_names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
+    labels = label_policy(
+        *labels_and_names, aligned.clouds, aligned.bases, choices.labels, raw.label_field
+    )
     corrections = options.corrections or ()
     if corrections:
         labels = replace(labels, findings=(*labels.findings, corrections_finding(corrections)))
@@ -208,13 +215,13 @@ def survey_series(
 def _segment(
     survey: Survey, options: Options, progress: Progress, map: MapLike
 ) -> tuple[LabelUse, list[Hierarchy]]:
-    """Segment each scan into a hierarchy, whose labels name the same organs in all scans."""
+    """Segment each scan into a hierarchy; also return its labels, tracked over the series."""
     labels, aligned, corrections = survey.labels, survey.aligned, survey.corrections
     clouds, bases = aligned.clouds, aligned.bases
     if options.whole:
         return labels, [one_segment(len(cloud)) for cloud in clouds]
     map = reporting(map, partial(progress, "segmentation"), len(clouds))
-    organs = labels.given
+    organs = labels.available
     if not organs and options.segment == "thin":
         k, threshold = repeat(options.graph_neighbors), repeat(options.bifurcation)
         scans = clouds, bases, aligned.neighbors
@@ -222,14 +229,14 @@ def _segment(
     is_complete = len(organs) == len(clouds)
     if not is_complete:
         pairs = zip(labels.labels, segment_organs(clouds, bases, map), strict=True)
-        organs = [found if given is None else given for given, found in pairs]
+        organs = [by_shape if labelled is None else labelled for labelled, by_shape in pairs]
     organs = with_corrected_organs(organs, aligned, corrections)
-    labels = labels.with_given(organs)
+    labels = labels.with_available(organs)
     if not is_complete or not (labels.consistent or options.paper):
         hierarchies = coarse_hierarchies(clouds, organs, bases)
-        labels = follow_labels(labels, clouds, hierarchies, bases, corrections)
-        organs = labels.given
-    organs = relinked(organs, corrections)
+        labels = with_tracked_labels(labels, clouds, hierarchies, bases, corrections)
+        organs = labels.available
+    organs = with_corrected_links(organs, corrections)
     labels = replace(labels, labels=tuple(organs), names=organ_names(organs, corrections))
     return labels, labelled_hierarchies(
         clouds,
@@ -237,7 +244,7 @@ def _segment(
         bases,
         aligned.neighbors,
         consistent=labels.consistent,
-        agreeing=not options.paper,
+        same_parents=not options.paper,
         virtual_root=options.root == "virtual",
         map=map,
     )

@@ -22,6 +22,8 @@ PANELS = {
 
 
 class Kind(StrEnum):
+    """The plants of `KINDS`, and the one of the depth camera."""
+
     maize = "maize"
     tomato = "tomato"
     tree = "tree"
@@ -31,6 +33,8 @@ class Kind(StrEnum):
 
 
 class Format(StrEnum):
+    """The suffixes of `grow.formats.WRITERS`."""
+
     ply = "ply"
     txt = "txt"
     xyz = "xyz"
@@ -131,15 +135,15 @@ def grow_command(
     if kind is Kind.komatsuna:
         from grow import images
 
-        faults = images.Faults(**_given(noise=noise, labels=label_shift))
-        given = _given(days=_whole_days(days), per_day=per_day, size=_size(size))
-        plan = images.ImagePlan(seed=seed, labels=not unlabelled, faults=faults, **given)
-        images.write_images(plan, folder, force, report_progress)
+        faults = images.Faults(**_specified(noise=noise, labels=label_shift))
+        specified = _specified(days=_whole_days(days), per_day=per_day, size=_size(size))
+        image_plan = images.ImagePlan(seed=seed, labels=not unlabelled, faults=faults, **specified)
+        images.write_images(image_plan, folder, force, report_progress)
         return
 
     from grow import series
 
-    scanned = series.Plan(
+    plan = series.Plan(
         kind=kind.value,
         seed=seed,
         scans=scans,
@@ -153,28 +157,30 @@ def grow_command(
         shuffle=shuffle_labels,
         pose=pose,
     )
-    series.write_series(scanned, folder, force, report_progress)
+    series.write_series(plan, folder, force, report_progress)
 
 
 def _refuse(kind: Kind, options: dict[str, object]) -> None:
-    """Raise InputError for options that were given but do not apply to this plant."""
+    """Raise InputError for options that the user set but that do not apply to this plant."""
     for name, value in options.items():
         if value is not None and value is not False:
             raise InputError(f"{name} means nothing for {kind.value}; see grow --help.")
 
 
-def _given(**values: Any) -> dict[str, Any]:
-    """The values that are not None, for which defaults are not used."""
+def _specified(**values: Any) -> dict[str, Any]:
+    """The values that are not None, which replace defaults."""
     return {name: value for name, value in values.items() if value is not None}
 
 
 def _whole_days(days: float | None) -> int | None:
+    """The argument of --days as a whole number."""
     if days is not None and not days.is_integer():
         raise InputError(f"--days {days:g}: komatsuna takes whole days.")
     return None if days is None else int(days)
 
 
 def _size(text: str | None) -> tuple[int, int] | None:
+    """Parse the argument of --size, width and height in pixels."""
     if text is None:
         return None
     width, _, height = text.lower().partition("x")
@@ -184,6 +190,7 @@ def _size(text: str | None) -> tuple[int, int] | None:
 
 
 def _points(text: str | None) -> tuple[int, int] | None:
+    """Parse the argument of --points: the numbers of points of the first and last scan."""
     if text is None:
         return None
     numbers = _numbers("--points", text)
@@ -193,6 +200,7 @@ def _points(text: str | None) -> tuple[int, int] | None:
 
 
 def _numbers(option: str, text: str) -> tuple[float, ...]:
+    """Parse finite numbers separated by commas, the argument of an option."""
     try:
         numbers = tuple(float(part) for part in text.split(","))
     except ValueError:
@@ -203,5 +211,5 @@ def _numbers(option: str, text: str) -> tuple[float, ...]:
 
 
 def main(argv: list[str] | None = None) -> int:
-    """Run `grow` with `argv` (by default that of the process); returns the exit code."""
+    """Run `grow` with these arguments (by default those of the process); returns the exit code."""
     return run_app(app, "grow", argv, PANELS)

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from grow.pose import Array, Body, Pose, at_node, sigmoid, unit
 from grow.surface import Material, normals
 
-SUN = np.array([0.35, -0.30, 0.89])
+SUN = np.array([0.35, -0.30, 0.89])  # direction of the sun
 
 
 def shade(
@@ -33,7 +33,7 @@ def shade(
 
 
 def _palette(body: Body, name: str) -> Array:
-    """(P, 3) one of the colours of every part; a part without a midrib's colour has its own."""
+    """(P, 3) one of the colours of every part; by default, a midrib has that of young tissue."""
     return np.array(
         [getattr(part, name) or (part.young if name == "rib" else ()) for part in body.parts]
     )

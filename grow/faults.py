@@ -12,39 +12,35 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class Faults:
-    """Sizes of the errors.
+    """Sizes of the errors; all but the share are standard deviations."""
 
-    shift:   pixels, standard deviation of the displacement of the depth image, partly uneven.
-    smear:   pixels, standard deviation of the blur over depth edges.
-    noise:   mm, standard deviation, of every pixel.
-    dropout: share of the pixels at depth edges without any depth.
-    labels:  pixels, standard deviation of the uneven displacement of labels.
-    """
-
-    shift: float = 1.2
-    smear: float = 0.9
-    noise: float = 0.4
-    dropout: float = 0.2
-    labels: float = 0.0
+    shift: float = 1.2  # pixels, displacement of the depth image, half of it varying
+    blur: float = 0.9  # pixels, of the Gaussian blur over depth edges
+    noise: float = 0.4  # mm, of the depth of each pixel
+    dropout: float = 0.2  # share of the pixels at depth edges that have no depth
+    labels: float = 0.0  # pixels, displacement of labels, half of it varying
 
 
-def spoil_depth(
+MIN_EDGE = 10  # mm, range of depth within 5 x 5 pixels at a depth edge
+
+
+def add_depth_errors(
     depth: NDArray[np.float64], faults: Faults, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """Add the errors of a camera to (H, W) depth in mm; 0 where nothing is measured."""
+    """Add the errors of a camera to (H, W) depth in mm; the result is 0 where depth is lost."""
     from scipy.ndimage import gaussian_filter, map_coordinates, maximum_filter, minimum_filter
 
-    moved = map_coordinates(
+    displaced = map_coordinates(
         depth, _displaced(depth.shape, faults.shift, rng), order=1, mode="nearest"
     )
-    smeared = gaussian_filter(moved, faults.smear)
-    measured = smeared + rng.normal(0, faults.noise, depth.shape)
-    at_edge = maximum_filter(smeared, 5) - minimum_filter(smeared, 5) > 10
+    blurred = gaussian_filter(displaced, faults.blur)
+    measured = blurred + rng.normal(0, faults.noise, depth.shape)
+    at_edge = maximum_filter(blurred, 5) - minimum_filter(blurred, 5) > MIN_EDGE
     lost = at_edge & (rng.random(depth.shape) < faults.dropout)
     return np.where(lost, 0.0, measured)
 
 
-def misplace_labels(
+def displace_labels(
     label: NDArray[np.int64], faults: Faults, rng: np.random.Generator
 ) -> NDArray[np.int64]:
     """Displace (H, W) labels, as in a manual annotation."""
@@ -59,7 +55,10 @@ def misplace_labels(
 def _displaced(
     shape: tuple[int, ...], amount: float, rng: np.random.Generator
 ) -> NDArray[np.float64]:
-    """(2, H, W) pixel coordinates, displaced by a constant and by a smoothly varying shift."""
+    """(2, H, W) pixel coordinates, displaced by a constant and by a smoothly varying shift.
+
+    amount: standard deviation of the constant, in pixels; that of the varying shift is half of it.
+    """
     from scipy.ndimage import zoom
 
     constant = rng.normal(0, amount, 2)

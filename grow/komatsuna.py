@@ -5,21 +5,22 @@ Seen from above, its leaves overlap, as in the data of Uchiyama et al. (2017).
 
 import numpy as np
 
-from grow.part import NODES, Change, Part, blade, crooked
+from grow.part import NODES, Change, Part, blade_outline, random_deviations
 from grow.species import Species
 
-LEAVES = 10
-GOLDEN = np.pi * (3 - 5**0.5)
+LEAVES = 10  # number of leaves
+GOLDEN_ANGLE = np.pi * (3 - 5**0.5)  # radians, between successive leaves
+# Colours, sRGB from 0 to 1.
 YOUNG, MATURE, RIB = (0.58, 0.80, 0.30), (0.20, 0.52, 0.17), (0.72, 0.86, 0.55)
 
 
 def grow(rng: np.random.Generator) -> Species:
     """A seedling that grows from three to ten leaves in ten days; the label of the stem is 0."""
     parts = [_stem()]
-    turn = rng.uniform(0, 2 * np.pi)
+    azimuth = rng.uniform(0, 2 * np.pi)
     for rank in range(LEAVES):
-        parts.append(_leaf(rng, rank, turn))
-        turn += GOLDEN + rng.normal(0, 0.1)
+        parts.append(_leaf(rng, rank, azimuth))
+        azimuth += GOLDEN_ANGLE + rng.normal(0, 0.1)
     return Species(tuple(parts), (0.0, 12.0), tuple(range(11)), (4000, 40000), 0.3)
 
 
@@ -53,7 +54,7 @@ def _leaf(rng: np.random.Generator, rank: int, azimuth: float) -> Part:
         birth=-7.5 + 1.8 * rank + rng.uniform(-0.3, 0.3),
         duration=13.0,
         length=length,
-        width=blade(half_width, 0.13, 2.4, 0.75),
+        width=blade_outline(half_width, 0.13, 2.4, 0.75),
         tube=False,
         young=YOUNG,
         mature=MATURE,
@@ -67,5 +68,5 @@ def _leaf(rng: np.random.Generator, rank: int, azimuth: float) -> Part:
         fold=0.12,
         ruffle=rng.uniform(0.8, 2.0),
         phase=rng.uniform(0, 2 * np.pi),
-        wobble=crooked(rng, 0.05),
+        deviations=random_deviations(rng, 0.05),
     )

@@ -2,21 +2,22 @@
 
 import numpy as np
 
-from grow.part import NODES, Change, Part, blade, crooked
+from grow.part import NODES, Change, Part, blade_outline, random_deviations
 from grow.species import Species
 
-LEAVES = 10
-STEM_BIRTH, STEM_DAYS, APICAL = -10.0, 42.0, 0.6
+LEAVES = 10  # number of leaves
+STEM_BIRTH, STEM_DAYS, APICAL = -10.0, 42.0, 0.6  # birth, duration and gradient of the stem
+# Colours, sRGB from 0 to 1.
 YOUNG, MATURE, RIB = (0.60, 0.80, 0.27), (0.18, 0.47, 0.14), (0.70, 0.84, 0.50)
 
 
 def grow(rng: np.random.Generator) -> Species:
     """A maize seedling, from its second leaf to its ninth in two weeks."""
     parts = [_stem(rng)]
-    spiral = rng.uniform(0, 2 * np.pi)
+    azimuth = rng.uniform(0, 2 * np.pi)
     for rank in range(LEAVES):
-        spiral += np.pi + rng.normal(0.05, 0.16)
-        parts.append(_leaf(rng, rank, spiral))
+        azimuth += np.pi + rng.normal(0.05, 0.16)
+        parts.append(_leaf(rng, rank, azimuth))
     return Species(tuple(parts), (0.0, 16.0), tuple(range(0, 15, 2)), (1700, 5000), 0.35)
 
 
@@ -37,7 +38,7 @@ def _stem(rng: np.random.Generator) -> Part:
         tube=True,
         young=(0.66, 0.80, 0.42),
         mature=(0.52, 0.62, 0.30),
-        wobble=crooked(rng, 0.03, 1.5),
+        deviations=random_deviations(rng, 0.03, 1.5),
     )
 
 
@@ -46,7 +47,7 @@ def _leaf(rng: np.random.Generator, rank: int, azimuth: float) -> Part:
     birth = -6.5 + 1.9 * rank + rng.uniform(-0.3, 0.3)
     length = np.interp(order, [0, 0.25, 0.6, 0.85, 1], [95, 260, 520, 560, 480])
     half_width = np.interp(order, [0, 0.25, 0.6, 1], [8, 13, 26, 28])
-    width = blade(half_width, 0.55, 0.45, 0.75 if rank else 0.4)
+    width = blade_outline(half_width, 0.55, 0.45, 0.75 if rank else 0.4)
     droop = np.interp(order, [0, 0.3, 1], [1.2, 2.4, 1.8]) + rng.normal(0, 0.15)
     return Part(
         label=rank + 1,
@@ -76,6 +77,6 @@ def _leaf(rng: np.random.Generator, rank: int, azimuth: float) -> Part:
         ruffle=rng.uniform(2.0, 4.5) * order**0.5,
         waves=rng.uniform(4.0, 6.5),
         phase=rng.uniform(0, 2 * np.pi),
-        wobble=crooked(rng, 0.05, 0.9),
+        deviations=random_deviations(rng, 0.05, 0.9),
         lifespan=15.0 + 6 * rank,
     )

@@ -19,18 +19,12 @@ MIN_ORGAN_POINTS = 8  # no scan has an organ with fewer points
 
 @dataclass(frozen=True)
 class Cloud:
-    """A scan of a plant at one time.
+    """A scan of a plant at one time."""
 
-    points:   (N, 3) float32, mm, z up, the base of the stem at the origin.
-    labels:   (N,) int64, the organ of each point; an organ has the same label at all times.
-    colors:   (N, 3) uint8 sRGB, or None.
-    material: the tissue of each point, without noise.
-    """
-
-    points: NDArray[np.float32]
-    labels: NDArray[np.int64]
-    colors: NDArray[np.uint8] | None
-    material: Material
+    points: NDArray[np.float32]  # (N, 3) mm, z up, the base of the stem at the origin
+    labels: NDArray[np.int64]  # (N,) organ of each point, the same at all times
+    colors: NDArray[np.uint8] | None  # (N, 3) sRGB
+    material: Material  # the tissue of each point, without noise
 
     def __len__(self) -> int:
         return len(self.points)
@@ -38,33 +32,30 @@ class Cloud:
 
 @dataclass(frozen=True)
 class Organ:
-    """One organ at one time, in mm and mm².
-
-    parent:    label of the organ that it grows from, -1 for the stem or trunk.
-    length:    along the main axis from base to tip; of a compound leaf, along the stalk and its
-               terminal leaflet.
-    area:      of the surface, one side of leaves.
-    reach:     from the base along the axes of all parts to the farthest tip.
-    base, tip: ends of the main axis; the base is on the surface of the parent.
-    """
+    """One organ at one time, in mm and mm²."""
 
     label: int
     kind: str
-    parent: int
-    birth: float
-    length: float
-    area: float
-    base: tuple[float, float, float]
-    tip: tuple[float, float, float]
-    reach: float
+    parent: int  # label of the organ that it grows from, -1 for the stem or trunk
+    birth: float  # day
+    length: float  # of the main axis; of a compound leaf, of the stalk and its terminal leaflet
+    area: float  # of the surface, one side of leaves
+    base: tuple[float, float, float]  # start of the main axis, on the surface of the parent
+    tip: tuple[float, float, float]  # end of the main axis
+    reach: float  # distance from the base to the farthest tip along the axes of all parts
 
 
 class Plant:
-    """A plant whose points are known at every time.
+    """A plant, the positions of whose tissue are known at every time.
 
-    days:           first and last day for which the plant is designed; other days work, too.
-    default_days:   days of the default series of scans.
-    default_noise:  default standard deviation of the noise, mm.
+    Attributes
+    ----------
+    days : (float, float)
+        First and last day for which the plant is designed; it may be sampled on other days, too.
+    default_days : tuple of float
+        Days of the default series of scans.
+    default_noise : float
+        Default standard deviation of the noise, mm.
     """
 
     def __init__(self, kind: str, seed: int, species: Species) -> None:
@@ -84,11 +75,23 @@ class Plant:
         noise: float | None = None,
         colors: bool = True,
     ) -> Cloud:
-        """Scan the plant: exactly `points` points, even by area, with Gaussian noise.
+        """Scan the plant: sample points uniformly by area, with Gaussian noise.
 
-        points: by default those of the default series, in proportion to the surface at `day`.
-        seed:   of the scan; scans of different seeds or days are sampled independently.
-        noise:  standard deviation in mm, by default `default_noise`.
+        Parameters
+        ----------
+        day : float
+        points : int, optional
+            Their number; by default that of the default series, in proportion to the surface.
+        seed : int
+            Of the scan; scans of different seeds or days are sampled independently.
+        noise : float, optional
+            Standard deviation in mm; by default `default_noise`.
+        colors : bool
+            Whether points have colours.
+
+        Returns
+        -------
+        Cloud
         """
         count = self.default_points(day) if points is None else points
         pose = self._body.pose(day)
@@ -101,7 +104,7 @@ class Plant:
         return Cloud(noisy.astype(np.float32), self.label_of(material), paint, material)
 
     def track(self, material: Material, day: float) -> NDArray[np.float64]:
-        """(N, 3) positions of tissue at `day`, mm; before its birth that of its organ's birth."""
+        """(N, 3) positions of tissue at a day, mm; of unborn tissue where it will emerge."""
         return positions(self._body, self._body.pose(day), material)
 
     def label_of(self, material: Material) -> NDArray[np.int64]:
@@ -129,50 +132,52 @@ class Plant:
                 body.parts[first].kind,
                 int(body.label[body.parent[first]]) if body.parent[first] >= 0 else -1,
                 body.parts[first].birth,
-                float(pose.length[[first, *others]].sum()),
+                float(pose.length[[first, *following]].sum()),
                 float(area[label]),
                 tuple(pose.axis[first, 0].tolist()),
-                tuple(pose.axis[[first, *others][-1], -1].tolist()),
+                tuple(pose.axis[[first, *following][-1], -1].tolist()),
                 self._reach(label, pose),
             )
-            for label, (first, *others) in enumerate(axes)
+            for label, (first, *following) in enumerate(axes)
             if body.parts[first].birth < day
         ]
 
     def _reach(self, label: int, pose: Pose) -> float:
         """Distance from an organ's base along its axes to its farthest tip, mm."""
-        body, begin, farthest = self._body, dict[int, float](), 0.0
+        body, distances, farthest = self._body, dict[int, float](), 0.0
         for part in np.flatnonzero(body.label == label).tolist():
-            parent, passed = int(body.parent[part]), 0.0
-            if parent in begin:
+            parent, distance = int(body.parent[part]), 0.0
+            if parent in distances:
                 steps = np.linalg.norm(np.diff(pose.axis[parent], axis=0), axis=1).cumsum()
                 along = np.linspace(0.0, 1.0, len(steps) + 1)
-                passed = begin[parent] + float(np.interp(body.at[part], along, np.r_[0.0, steps]))
-            begin[part] = passed
-            farthest = max(farthest, passed + float(pose.length[part]))
+                distance = float(np.interp(body.at[part], along, np.r_[0.0, steps]))
+                distance += distances[parent]
+            distances[part] = distance
+            farthest = max(farthest, distance + float(pose.length[part]))
         return farthest
 
     def _main_axis(self, first: int) -> list[int]:
         """The parts of an organ's main axis from base to tip, each at the end of the previous."""
         chain, parts = [first], self._body.parts
         while True:
-            after = [
+            successors = [
                 index
                 for index, part in enumerate(parts)
                 if part.parent == chain[-1] and part.at == 1.0 and part.label == parts[first].label
             ]
-            if not after:
+            if not successors:
                 return chain
-            chain.append(after[0])
+            chain.append(successors[0])
 
     def default_points(self, day: float) -> int:
         """Number of points of a default scan at `day`, interpolated by surface area."""
-        few, many = self._scan_points
-        first, last = self._default_areas
-        return max(round(few + (many - few) * (self.area(day) - first) / (last - first)), 1)
+        counts, areas = self._scan_points, self._default_areas
+        added = (counts[1] - counts[0]) * (self.area(day) - areas[0]) / (areas[1] - areas[0])
+        return max(round(counts[0] + added), 1)
 
     @cached_property
     def _default_areas(self) -> tuple[float, float]:
+        """The surface areas at the first and the last day of the default series."""
         return self.area(self.default_days[0]), self.area(self.default_days[-1])
 
     def area(self, day: float) -> float:
@@ -182,12 +187,13 @@ class Plant:
     def _visible_area(self, day: float, count: int) -> NDArray[np.float64]:
         """Areas, with 0 for organs that would have too few of `count` points."""
         area = self._area(day)
-        of_organ = np.bincount(self._body.label, area.sum((1, 2)))
-        is_visible = of_organ * count >= MIN_ORGAN_POINTS * of_organ.sum()
-        is_visible[np.argmax(of_organ)] = True
+        organ_area = np.bincount(self._body.label, area.sum((1, 2)))
+        is_visible = organ_area * count >= MIN_ORGAN_POINTS * organ_area.sum()
+        is_visible[np.argmax(organ_area)] = True
         return area * is_visible[self._body.label][:, None, None]
 
     def _area(self, day: float) -> NDArray[np.float64]:
+        """(P, NODES - 1, STRIPES) areas of the cells of all parts at a day, mm²."""
         return areas(self._body, self._body.pose(day))
 
 
@@ -221,4 +227,5 @@ def plant(kind: str, seed: int = 0) -> Plant:
 
 
 def _bits(day: float) -> int:
+    """The bits of a number as an integer, part of the seed of a scan."""
     return int(np.float64(day + 0.0).view(np.uint64))

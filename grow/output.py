@@ -8,19 +8,19 @@ from pathlib import Path
 from baker.errors import InputError
 from gclip.terminal.atomic import folder_beside, writing
 
-TRUTH = "truth"
-LARGEST_NOISE = 1e6  # mm
+TRUTH = "truth"  # name of the subfolder of true points, organs and poses
+MAX_NOISE = 1e6  # mm
 
 
 @contextmanager
-def whole_series(folder: Path, ours: Callable[[Path], bool], force: bool) -> Iterator[Path]:
-    """A temporary folder whose content is moved to `folder` at the end.
+def atomic_series(folder: Path, is_output: Callable[[Path], bool], force: bool) -> Iterator[Path]:
+    """Yield a temporary folder whose content is moved to `folder` when the context is left.
 
-    ours:  whether `grow` writes files with such a path.
-    force: replace such files, and the folder of truths, if they exist.
-    Raises UserError if they exist and `force` is not given, or if `folder` can't be written.
+    is_output: whether `grow` writes files with such a path. force: replace such files, and the
+    subfolder `TRUTH`, if they exist. Raises UserError if they exist and `force` is False, or if the
+    folder can't be written.
     """
-    existing = _existing_output(folder, ours)
+    existing = _existing_output(folder, is_output)
     if existing and not force:
         raise InputError(f"{existing[0]} exists; --force overwrites it.")
     with writing(folder):
@@ -34,11 +34,12 @@ def whole_series(folder: Path, ours: Callable[[Path], bool], force: bool) -> Ite
                 path.replace(folder / path.name)
 
 
-def _existing_output(folder: Path, ours: Callable[[Path], bool]) -> list[Path]:
+def _existing_output(folder: Path, is_output: Callable[[Path], bool]) -> list[Path]:
+    """The files and the subfolder `TRUTH` in a folder that an earlier `grow` may have written."""
     if not folder.exists():
         return []
     if not folder.is_dir():
         raise InputError(f"'{folder}' is a file; `grow` writes a folder.")
-    files = [path for path in sorted(folder.iterdir()) if path.is_file() and ours(path)]
+    files = [path for path in sorted(folder.iterdir()) if path.is_file() and is_output(path)]
     truth = folder / TRUTH
     return [*files, truth] if truth.is_dir() else files

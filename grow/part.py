@@ -11,9 +11,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-NODES = 65  # along every axis
+NODES = 65  # number of nodes along every axis
 
 Color = tuple[float, float, float]
+"""sRGB, each from 0 to 1."""
 
 
 class Change(NamedTuple):
@@ -23,7 +24,7 @@ class Change(NamedTuple):
     mature: float
 
 
-NEVER = Change(0.0, 0.0)
+NO_CHANGE = Change(0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -52,50 +53,59 @@ class Part:
     mature: Color
     gradient: float = 0.0
 
-    lag: float = 0.7  # above 1 the width grows after the length, below 1 before it
+    lag: float = 0.7  # exponent: above 1 the width grows after the length, below 1 before it
     opening: float = 6.0  # days from birth to the mature posture
     upright: float = 0.0  # direction of the base, from the parent's axis (0) to the vertical (1)
-    lean: Change = NEVER  # of the base, away from the parent's axis
-    bend: Change = NEVER  # from base to tip, away from the parent's axis
+    lean: Change = NO_CHANGE  # of the base, away from the parent's axis
+    bend: Change = NO_CHANGE  # from base to tip, away from the parent's axis
     bend_power: float = 1.0  # above 1 the bend is greatest near the tip
-    turn: float = 0.0  # about the parent's axis while opening
-    twist: Change = NEVER  # about the own axis, from base to tip
-    spin: float = 0.0  # about the own axis, constant: the direction that a leaflet faces
-    roll: Change = NEVER  # half of the cross-section's arc; pi is a closed tube
+    turn: float = 0.0  # rotation about the parent's axis while opening
+    twist: Change = NO_CHANGE  # rotation of the tip about its own axis, against the base
+    spin: float = 0.0  # constant rotation about its own axis: the direction that a leaflet faces
+    roll: Change = NO_CHANGE  # half of the cross-section's arc; pi is a closed tube
     clasp: float = 0.0  # further roll at the base, around the stem
     fold: float = 0.0  # slope of the halves of the blade about the midrib
     ruffle: float = 0.0  # height of the waves along the margins
     waves: float = 5.0  # number of these waves
-    phase: float = 0.0
-    wobble: NDArray[np.float64] | None = None  # (NODES, 2) crookedness of the axis
+    phase: float = 0.0  # of these waves, radians
+    deviations: NDArray[np.float64] | None = None  # (NODES, 2) slopes of the axis to both sides
 
-    old: Color = (0.80, 0.72, 0.36)
+    old: Color = (0.80, 0.72, 0.36)  # colour of yellowed tissue
     rib: Color | None = None  # colour of the midrib
     lifespan: float = np.inf  # days until the part starts to yellow
 
 
-def blade(half_width: float, base: float, rise: float, fall: float) -> NDArray[np.float64]:
-    """(NODES,) half-widths of a leaf, from `base` (share of the maximum) to a pointed tip."""
+def blade_outline(half_width: float, base: float, rise: float, fall: float) -> NDArray[np.float64]:
+    """(NODES,) half-widths of a leaf with a pointed tip: those of a beta distribution's density.
+
+    half_width: the maximum. base: least half-width at the base, as a share of the maximum. rise,
+    fall: exponents of the outline at base and tip.
+    """
     along = np.linspace(0, 1, NODES)
-    swell = along**rise * (1 - along) ** fall
+    outline = along**rise * (1 - along) ** fall
     peak = rise / (rise + fall)
-    swell /= peak**rise * (1 - peak) ** fall
-    return half_width * np.maximum(swell, base * (1 - along) ** 2)
+    outline /= peak**rise * (1 - peak) ** fall
+    return half_width * np.maximum(outline, base * (1 - along) ** 2)
 
 
-def taper(base: float, tip: float) -> NDArray[np.float64]:
+def tapered_radii(base: float, tip: float) -> NDArray[np.float64]:
     """(NODES,) radii of a tube with a round cap at its tip."""
     along = np.linspace(0, 1, NODES)
     cap = np.sqrt(np.clip(1 - np.clip((along - 0.95) / 0.05, 0, 1) ** 2, 0, 1))
     return (base + (tip - base) * along) * cap
 
 
-def crooked(rng: np.random.Generator, amount: float, cycles: float = 2.0) -> NDArray[np.float64]:
-    """(NODES, 2) smooth random sideways deviations of an axis, zero at the base."""
+def random_deviations(
+    rng: np.random.Generator, amount: float, cycles: float = 2.0
+) -> NDArray[np.float64]:
+    """(NODES, 2) smooth random slopes of an axis to both sides, 0 at the base.
+
+    amount: standard deviation. cycles: number of waves along the axis.
+    """
     along = np.linspace(0, 1, NODES)[:, None]
     total = np.zeros((NODES, 2))
     for octave in (1.0, 2.3):
         phase = rng.uniform(0, 2 * np.pi, 2)
-        size = rng.normal(0, amount / octave, 2)
-        total += size * np.sin(2 * np.pi * cycles * octave * along + phase)
+        amplitude = rng.normal(0, amount / octave, 2)
+        total += amplitude * np.sin(2 * np.pi * cycles * octave * along + phase)
     return total * np.minimum(1, 8 * along)

@@ -13,19 +13,19 @@ from grow.surface import Material, positions
 
 ROWS, COLUMNS = 97, 33  # of the grid on every part, which is then interpolated
 DENSITY = 1.7  # surface samples per pixel, along and across
-SOIL = np.array([92.0, 72.0, 55.0])
+SOIL = np.array([92.0, 72.0, 55.0])  # 8-bit sRGB
 
 
 @dataclass(frozen=True)
 class View:
-    """A pinhole camera above the plant, looking down; in pixels, and mm above the ground."""
+    """A pinhole camera above the plant, looking down."""
 
-    width: int
+    width: int  # pixels, like all but the last
     height: int
     focal: float
     cx: float
     cy: float
-    distance: float
+    distance: float  # mm above the ground
 
     @staticmethod
     def over(size: tuple[int, int], across: float = 215.0, distance: float = 500.0) -> View:
@@ -37,11 +37,11 @@ class View:
 
 @dataclass(frozen=True)
 class Picture:
-    """color: (H, W, 3) uint8; depth: (H, W) float64 mm; label: (H, W) int64, 0 outside leaves."""
+    """The images of a view."""
 
-    color: NDArray[np.uint8]
-    depth: NDArray[np.float64]
-    label: NDArray[np.int64]
+    color: NDArray[np.uint8]  # (H, W, 3) sRGB
+    depth: NDArray[np.float64]  # (H, W) mm
+    label: NDArray[np.int64]  # (H, W) organs, 0 outside leaves
 
 
 def take_picture(plant: Plant, day: float, view: View, rng: np.random.Generator) -> Picture:

@@ -27,26 +27,16 @@ def sigmoid(x: Array) -> Array:
 
 @dataclass(frozen=True)
 class Pose:
-    """All P parts at one time, sampled at K nodes along their axes; mm, z up.
+    """All P parts at one time, sampled at K nodes along their axes; mm, z up."""
 
-    axis:     (P, K, 3) the midrib of a strip, the centre line of a tube.
-    frame:    (P, K, 3, 3) unit rows: along the axis, across the strip, normal to it.
-    spread:   (P, K) half-width of the strip, measured over its surface.
-    roll:     (P, K) half of the angle over which the cross-section is bent.
-    ruffle:   (P, K) height of the waves along the margins.
-    growth:   (P, K) share of its final size that the tissue has reached, 0 to 1.
-    age:      (P,) days since birth, negative before it.
-    length:   (P,) length of the axis.
-    """
-
-    axis: Array
-    frame: Array
-    spread: Array
-    roll: Array
-    ruffle: Array
-    growth: Array
-    age: Array
-    length: Array
+    axis: Array  # (P, K, 3) the midrib of a strip, the centre line of a tube
+    frame: Array  # (P, K, 3, 3) unit rows: along the axis, across the strip, normal to it
+    spread: Array  # (P, K) half-width of the strip, measured over its surface
+    roll: Array  # (P, K) half of the angle over which the cross-section is bent
+    ruffle: Array  # (P, K) height of the waves along the margins
+    growth: Array  # (P, K) share of its final size that the tissue has reached, 0 to 1
+    age: Array  # (P,) days since birth, negative before it
+    length: Array  # (P,) length of the axis
 
 
 class Body:
@@ -76,36 +66,37 @@ class Body:
         return [np.flatnonzero(depth == level) for level in range(int(depth.max()) + 1)]
 
     @cached_property
-    def _law(self) -> dict[str, Array]:
-        """Parameters of the parts as (P, 1) columns, to be broadcast over the nodes."""
-        law = {name: self.column(name)[:, None] for name in COLUMNS}
-        none = np.zeros((NODES, 2))
-        law["width"] = np.array([part.width for part in self.parts])
-        law["wobble"] = np.array(
-            [none if part.wobble is None else part.wobble for part in self.parts]
+    def _parameters(self) -> dict[str, Array]:
+        """Fields of the parts as (P, 1) columns, to be broadcast over the nodes."""
+        fields = {name: self.column(name)[:, None] for name in COLUMNS}
+        no_deviation = np.zeros((NODES, 2))
+        fields["width"] = np.array([part.width for part in self.parts])
+        fields["deviations"] = np.array(
+            [no_deviation if part.deviations is None else part.deviations for part in self.parts]
         )
-        return law
+        return fields
 
     def _change(self, name: str, progress: Array) -> Array:
+        """(P, K) values of a field of type `Change` at a progress from 0 to 1."""
         young, mature = np.array([getattr(part, name) for part in self.parts]).T[:, :, None]
         return young + (mature - young) * progress
 
     def pose(self, day: float) -> Pose:
         """The pose at `day`; parts that are not born yet have length 0."""
-        law = self._law
+        fields = self._parameters
         along = np.linspace(0, 1, NODES)[None]
-        age = day - law["birth"]
-        late = np.abs(law["gradient"]) * np.where(law["gradient"] > 0, along, 1 - along)
-        local = (age / law["duration"] - late) / (1 - np.abs(law["gradient"]))
+        age = day - fields["birth"]
+        delay = np.abs(fields["gradient"]) * np.where(fields["gradient"] > 0, along, 1 - along)
+        local = (age / fields["duration"] - delay) / (1 - np.abs(fields["gradient"]))
         growth = sigmoid(local)
-        step = law["length"] * (growth[:, 1:] + growth[:, :-1]) / 2 / (NODES - 1)
+        step = fields["length"] * (growth[:, 1:] + growth[:, :-1]) / 2 / (NODES - 1)
 
         # Young tissue of a stem is thin; a leaf of grass leaves the whorl in its full width.
-        thickness = np.where(law["gradient"] > 0, growth, sigmoid(age / law["duration"]))
-        thickness = thickness ** law["lag"]
-        spread = law["width"] * thickness * np.where(self.tube[:, None], np.pi, 1)
-        opened = sigmoid(age / law["opening"])
-        roll = self._change("roll", opened) + law["clasp"] * (1 - along) ** 6
+        thickness = np.where(fields["gradient"] > 0, growth, sigmoid(age / fields["duration"]))
+        thickness = thickness ** fields["lag"]
+        spread = fields["width"] * thickness * np.where(self.tube[:, None], np.pi, 1)
+        opened = sigmoid(age / fields["opening"])
+        roll = self._change("roll", opened) + fields["clasp"] * (1 - along) ** 6
         roll = np.where(self.tube[:, None], np.pi, np.clip(roll, 0, 0.97 * np.pi))
 
         local_axis, local_frame = self._bare_axes(along, step, opened)
@@ -115,25 +106,25 @@ class Body:
             base, position = self._bases(members, axis, frame, spread, opened)
             axis[members] = local_axis[members] @ base + position[:, None]
             frame[members] = local_frame[members] @ base[:, None]
-        ruffle = law["ruffle"] * opened * thickness
+        ruffle = fields["ruffle"] * opened * thickness
         return Pose(axis, frame, spread, roll, ruffle, growth, age[:, 0], step.sum(1))
 
     def _bare_axes(self, along: Array, step: Array, opened: Array) -> tuple[Array, Array]:
         """Axes and frames relative to each part's base: x away from the parent, z along it."""
-        law = self._law
+        fields = self._parameters
         angle = self._change("lean", opened)
-        angle = angle + self._change("bend", opened) * along ** law["bend_power"]
+        angle = angle + self._change("bend", opened) * along ** fields["bend_power"]
         zero = np.zeros_like(angle)
         tangent = np.stack([np.sin(angle), zero, np.cos(angle)], -1)
-        tangent[..., 0] += law["wobble"][..., 0] * np.cos(angle)
-        tangent[..., 1] += law["wobble"][..., 1]
-        tangent[..., 2] -= law["wobble"][..., 0] * np.sin(angle)
+        tangent[..., 0] += fields["deviations"][..., 0] * np.cos(angle)
+        tangent[..., 1] += fields["deviations"][..., 1]
+        tangent[..., 2] -= fields["deviations"][..., 0] * np.sin(angle)
         tangent = unit(tangent)
         across = np.zeros_like(tangent)
         across[..., 1] = 1
         across = unit(across - dot(across, tangent) * tangent)
         normal = np.cross(tangent, across)
-        spin = law["spin"] + self._change("twist", opened) * along
+        spin = fields["spin"] + self._change("twist", opened) * along
         cos, sin = np.cos(spin)[..., None], np.sin(spin)[..., None]
         across, normal = cos * across + sin * normal, cos * normal - sin * across
 
@@ -150,20 +141,20 @@ class Body:
         if parent[0] < 0:
             count = len(members)
             return np.broadcast_to(np.eye(3), (count, 3, 3)), np.zeros((count, 3))
-        law = self._law
-        where = self.at[members]
-        center = at_node(axis, parent, where)
-        tangent, across, normal = np.moveaxis(at_node(frame, parent, where), 1, 0)
-        radius = at_node(spread, parent, where)[:, None] / np.pi
-        azimuth = law["azimuth"][members]
+        fields = self._parameters
+        at = self.at[members]
+        center = at_node(axis, parent, at)
+        tangent, across, normal = np.moveaxis(at_node(frame, parent, at), 1, 0)
+        radius = at_node(spread, parent, at)[:, None] / np.pi
+        azimuth = fields["azimuth"][members]
         position = center + radius * (np.cos(azimuth) * normal + np.sin(azimuth) * across)
 
-        turned = azimuth + law["turn"][members] * opened[members]
-        away = np.cos(turned) * normal + np.sin(turned) * across
-        upright = law["upright"][members]
+        turned = azimuth + fields["turn"][members] * opened[members]
+        outward = np.cos(turned) * normal + np.sin(turned) * across
+        upright = fields["upright"][members]
         up = unit((1 - upright) * tangent + upright * np.array([0.0, 0.0, 1.0]))
-        away = unit(away - dot(away, up) * up)
-        return np.stack([away, np.cross(up, away), up], 1), position
+        outward = unit(outward - dot(outward, up) * up)
+        return np.stack([outward, np.cross(up, outward), up], 1), position
 
 
 def at_node(values: Array, part: Index, along: Array) -> Array:

@@ -11,43 +11,35 @@ from numpy.typing import NDArray
 from baker.errors import InputError
 from grow.formats import WRITERS, record
 from grow.model import Plant, plant
-from grow.output import LARGEST_NOISE, TRUTH, whole_series
+from grow.output import MAX_NOISE, TRUTH, atomic_series
 
-MOST_SCANS = 10_000
-MOST_POINTS = 1_000_000_000  # of a scan
+MAX_SCANS = 10_000  # of a series
+MAX_POINTS = 1_000_000_000  # of a scan
 
 
 @dataclass(frozen=True)
 class Plan:
-    """What to write; None is the default of the plant.
+    """What to write; None is the default of the plant."""
 
-    days:     length of the series.
-    points:   of the first and of the last scan; in between, in proportion to the surface.
-    noise:    standard deviation, mm.
-    truth:    days at which the true points are written, without noise, in the plant's frame.
-    shuffle:  renumber the organs at random in every scan.
-    pose:     rotate and shift every scan but the first at random.
-    """
-
-    kind: str
+    kind: str  # one of `KINDS`
     seed: int = 0
-    scans: int | None = None
-    days: float | None = None
-    points: tuple[int, int] | None = None
-    noise: float | None = None
+    scans: int | None = None  # number of scans
+    days: float | None = None  # length of the series
+    points: tuple[int, int] | None = None  # of the first and last scan; else by surface area
+    noise: float | None = None  # standard deviation, mm
     labels: bool = True
     colors: bool = True
-    suffix: str = "ply"
-    truth: tuple[float, ...] = ()
-    shuffle: bool = False
-    pose: bool = False
+    suffix: str = "ply"  # of the scans' files, one of `WRITERS`
+    truth: tuple[float, ...] = ()  # days of true points, without noise, in the plant's frame
+    shuffle: bool = False  # whether organs are renumbered at random in every scan
+    pose: bool = False  # whether every scan but the first is rotated and shifted at random
 
 
 def write_series(
     plan: Plan,
     folder: Path,
     force: bool = False,
-    wrote: Callable[[str, int], None] = lambda name, points: None,
+    report_written: Callable[[str, int], None] = lambda name, points: None,
 ) -> None:
     """Write the scans of a series, and the truth about them to a subfolder.
 
@@ -70,12 +62,12 @@ def write_series(
     days = scan_days(subject, plan)
     for day in plan.truth:
         _require_in_life(subject, day)
-    with whole_series(folder, lambda path: path.suffix[1:].lower() in WRITERS, force) as draft:
-        _write(plan, subject, days, draft, wrote)
+    with atomic_series(folder, lambda path: path.suffix[1:].lower() in WRITERS, force) as draft:
+        _write(plan, subject, days, draft, report_written)
 
 
 def scan_days(subject: Plant, plan: Plan) -> list[float]:
-    """The days of the scans, to the precision of their names: the default ones, or even steps."""
+    """The days of the scans, rounded as in their names: the default days, or even steps."""
     if plan.scans is None and plan.days is None:
         return list(subject.default_days)
     first, usual_last = subject.default_days[0], subject.default_days[-1]
@@ -97,20 +89,19 @@ def day_names(days: Sequence[float]) -> list[str]:
 
 
 def _check(plan: Plan) -> None:
+    """Raise InputError if a plan is impossible."""
     if plan.scans is not None and plan.scans < 2:
         raise InputError(f"{plan.scans} scans are no series; at least 2 are needed.")
-    if plan.scans is not None and plan.scans > MOST_SCANS:
-        raise InputError(f"{plan.scans} scans are too many; at most {MOST_SCANS} are grown.")
+    if plan.scans is not None and plan.scans > MAX_SCANS:
+        raise InputError(f"{plan.scans} scans are too many; at most {MAX_SCANS} are grown.")
     if plan.days is not None and not 0 < plan.days < np.inf:
         raise InputError(f"a series can't span {plan.days:g} days; give a number above 0.")
     if plan.points is not None and min(plan.points) < 10:
         raise InputError(f"{min(plan.points)} points show no plant; at least 10 are needed.")
-    if plan.points is not None and max(plan.points) > MOST_POINTS:
-        raise InputError(
-            f"{max(plan.points)} points are too many; at most {MOST_POINTS} are grown."
-        )
-    if plan.noise is not None and not 0 <= plan.noise <= LARGEST_NOISE:
-        raise InputError(f"the noise is {plan.noise:g} mm; 0 to {LARGEST_NOISE:g} are possible.")
+    if plan.points is not None and max(plan.points) > MAX_POINTS:
+        raise InputError(f"{max(plan.points)} points are too many; at most {MAX_POINTS} are grown.")
+    if plan.noise is not None and not 0 <= plan.noise <= MAX_NOISE:
+        raise InputError(f"the noise is {plan.noise:g} mm; 0 to {MAX_NOISE:g} are possible.")
     if plan.shuffle and not plan.labels:
         raise InputError("labels can't be both shuffled and left out.")
     if plan.suffix not in WRITERS:
@@ -118,6 +109,7 @@ def _check(plan: Plan) -> None:
 
 
 def _require_in_life(subject: Plant, day: float) -> None:
+    """Raise InputError for a day for which the plant is not designed."""
     first, last = subject.days
     if not first <= day <= last:
         raise InputError(
@@ -130,8 +122,9 @@ def _write(
     subject: Plant,
     days: Sequence[float],
     folder: Path,
-    wrote: Callable[[str, int], None],
+    report_written: Callable[[str, int], None],
 ) -> None:
+    """Write the scans of a plan, and the truth about them, to an empty folder."""
     rng = np.random.default_rng([plan.seed, 1])
     names = [f"{name}.{plan.suffix}" for name in day_names(days)]
     numbers = [np.arange(len(subject.labels)) for _ in days]
@@ -145,10 +138,10 @@ def _write(
     for day, name, number, yaw, shift in zip(days, names, numbers, yaws, shifts, strict=True):
         count = _points_at(subject, plan, days, day)
         cloud = subject.cloud(day, count, plan.seed, plan.noise, plan.colors)
-        placed = (cloud.points @ _turn(yaw).T + shift).astype(np.float32)
+        points = (cloud.points @ _rotation_about_z(yaw).T + shift).astype(np.float32)
         labels = number[cloud.labels] if plan.labels else None
-        _write_cloud(plan, folder / name, placed, labels, cloud.colors)
-        wrote(name, len(cloud))
+        _write_cloud(plan, folder / name, points, labels, cloud.colors)
+        report_written(name, len(cloud))
 
     if plan.truth or plan.shuffle or plan.pose:
         truth = folder / TRUTH
@@ -165,20 +158,20 @@ def _write(
             cloud = subject.cloud(day, count, plan.seed + 1, 0.0, plan.colors)
             path = truth / f"truth_{day_names([day])[0]}.{plan.suffix}"
             _write_cloud(plan, path, cloud.points, cloud.labels, cloud.colors)
-            wrote(f"{TRUTH}/{path.name}", len(cloud))
+            report_written(f"{TRUTH}/{path.name}", len(cloud))
 
 
 def _points_at(subject: Plant, plan: Plan, days: Sequence[float], day: float) -> int:
     """Number of points of a scan at `day`."""
     if plan.points is None:
         return subject.default_points(day)
-    few, many = plan.points
-    first, last = subject.area(days[0]), subject.area(days[-1])
-    return max(round(few + (many - few) * (subject.area(day) - first) / (last - first)), 10)
+    counts, areas = plan.points, (subject.area(days[0]), subject.area(days[-1]))
+    added = (counts[1] - counts[0]) * (subject.area(day) - areas[0]) / (areas[1] - areas[0])
+    return max(round(counts[0] + added), 10)
 
 
-def _turn(yaw: float) -> NDArray[np.float64]:
-    """Rotation by `yaw` about z, for column vectors."""
+def _rotation_about_z(yaw: float) -> NDArray[np.float64]:
+    """(3, 3) rotation matrix about z, for an angle in radians."""
     cos, sin = np.cos(yaw), np.sin(yaw)
     return np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
 

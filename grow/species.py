@@ -7,17 +7,10 @@ from grow.part import Part
 
 @dataclass(frozen=True)
 class Species:
-    """The parameters of a plant.
+    """The parameters of a plant."""
 
-    parts:       parents before children; the first part of an organ is on its main axis.
-    days:        first and last day for which the plant is designed.
-    scan_days:   days of the default scans, ascending.
-    scan_points: numbers of points of the first and last default scan.
-    noise:       default standard deviation of the noise in mm.
-    """
-
-    parts: tuple[Part, ...]
-    days: tuple[float, float]
-    scan_days: tuple[float, ...]
-    scan_points: tuple[int, int]
-    noise: float
+    parts: tuple[Part, ...]  # parents before children; an organ's first part is on its main axis
+    days: tuple[float, float]  # first and last day for which the plant is designed
+    scan_days: tuple[float, ...]  # days of the default scans, ascending
+    scan_points: tuple[int, int]  # numbers of points of the first and last default scan
+    noise: float  # default standard deviation of the noise, mm

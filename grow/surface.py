@@ -96,7 +96,7 @@ def areas(body: Body, pose: Pose) -> Array:
 
 
 def sample(area: Array, count: int, rng: np.random.Generator) -> Material:
-    """Draw exactly `count` points, even by area, in random order.
+    """Draw exactly `count` points, uniformly by area, in random order.
 
     The numbers of points of the parts are rounded by largest remainder. On each part, points are
     spread by the R2 sequence (Roberts 2018, "The unreasonable effectiveness of quasirandom
@@ -113,25 +113,25 @@ def sample(area: Array, count: int, rng: np.random.Generator) -> Material:
     rank = np.arange(count) - np.repeat(np.cumsum(number) - number, number)
     shift = rng.random((len(number), 2))
     plastic = 1.32471795724474602596
-    even = shift[part] + rank[:, None] / np.array([plastic, plastic**2])
-    even += rng.uniform(-0.35, 0.35, (count, 2)) / np.sqrt(number[part])[:, None]
-    even %= 1.0
+    quasirandom = shift[part] + rank[:, None] / np.array([plastic, plastic**2])
+    quasirandom += rng.uniform(-0.35, 0.35, (count, 2)) / np.sqrt(number[part])[:, None]
+    quasirandom %= 1.0
 
     rows = np.concatenate([[0.0], np.cumsum(per_row)])
     start = rows[part * (NODES - 1)]
-    target = start + even[:, 0] * per_part[part]
+    target = start + quasirandom[:, 0] * per_part[part]
     row = np.searchsorted(rows, target, side="right") - 1
     row = np.clip(row, part * (NODES - 1), (part + 1) * (NODES - 1) - 1)
-    within = np.clip((target - rows[row]) / np.maximum(per_row.ravel()[row], 1e-300), 0, 1)
-    along = (row % (NODES - 1) + within) / (NODES - 1)
+    fraction = np.clip((target - rows[row]) / np.maximum(per_row.ravel()[row], 1e-300), 0, 1)
+    along = (row % (NODES - 1) + fraction) / (NODES - 1)
 
     stripes = np.cumsum(area.reshape(-1, STRIPES)[row], axis=1)
-    goal = even[:, 1] * stripes[:, -1]
-    stripe = np.minimum((stripes < goal[:, None]).sum(1), STRIPES - 1)
-    each = np.arange(count)
-    above = stripes[each, stripe]
+    target_area = quasirandom[:, 1] * stripes[:, -1]
+    stripe = np.minimum((stripes < target_area[:, None]).sum(1), STRIPES - 1)
+    index = np.arange(count)
+    cumulative = stripes[index, stripe]
     size = np.maximum(area.reshape(-1, STRIPES)[row, stripe], 1e-300)
-    across = -1 + 2 * (stripe + np.clip(1 - (above - goal) / size, 0, 1)) / STRIPES
+    across = -1 + 2 * (stripe + np.clip(1 - (cumulative - target_area) / size, 0, 1)) / STRIPES
 
     order = rng.permutation(count)
     return Material(part[order], along[order], across[order])

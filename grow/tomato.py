@@ -3,12 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from grow.part import NODES, Change, Part, blade, crooked, taper
+from grow.part import NODES, Change, Part, blade_outline, random_deviations, tapered_radii
 from grow.species import Species
 
-LEAVES = 9
-STEM_BIRTH, STEM_DAYS, APICAL = -9.0, 30.0, 0.6
-GOLDEN = np.pi * (3 - 5**0.5)
+LEAVES = 9  # number of compound leaves
+STEM_BIRTH, STEM_DAYS, APICAL = -9.0, 30.0, 0.6  # birth, duration and gradient of the stem
+GOLDEN_ANGLE = np.pi * (3 - 5**0.5)  # radians, between successive leaves
+# Colours, sRGB from 0 to 1.
 STEM, STALK = (0.56, 0.70, 0.36), (0.50, 0.68, 0.30)
 YOUNG, MATURE, RIB = (0.54, 0.76, 0.28), (0.16, 0.44, 0.16), (0.50, 0.68, 0.34)
 
@@ -16,17 +17,17 @@ YOUNG, MATURE, RIB = (0.54, 0.76, 0.28), (0.16, 0.44, 0.16), (0.50, 0.68, 0.34)
 def grow(rng: np.random.Generator) -> Species:
     """A tomato that grows from its cotyledons to its ninth leaf in eight days."""
     parts = [_stem(rng)]
-    turn = rng.uniform(0, 2 * np.pi)
+    azimuth = rng.uniform(0, 2 * np.pi)
     for side in range(2):
-        parts += _cotyledon(rng, side + 1, turn + np.pi * side + rng.normal(0, 0.1))
-    turn += np.pi / 2
+        parts += _cotyledon(rng, side + 1, azimuth + np.pi * side + rng.normal(0, 0.1))
+    azimuth += np.pi / 2
     for rank in range(LEAVES):
-        parts += _leaf(rng, rank, len(parts), turn)
-        turn += GOLDEN + rng.normal(0, 0.12)
+        parts += _leaf(rng, rank, len(parts), azimuth)
+        azimuth += GOLDEN_ANGLE + rng.normal(0, 0.12)
     return Species(tuple(parts), (0.0, 10.0), tuple(range(9)), (4000, 16000), 0.15)
 
 
-def _at(birth: float) -> float:
+def _position_at_birth(birth: float) -> float:
     """The position on the stem of an organ born at a time: where elongation has just started."""
     return (birth - 0.9 - STEM_BIRTH) / (APICAL * STEM_DAYS)
 
@@ -47,7 +48,7 @@ def _stem(rng: np.random.Generator) -> Part:
         tube=True,
         young=STEM,
         mature=(0.44, 0.56, 0.27),
-        wobble=crooked(rng, 0.07, 2.5),
+        deviations=random_deviations(rng, 0.07, 2.5),
     )
 
 
@@ -57,12 +58,12 @@ def _cotyledon(rng: np.random.Generator, label: int, azimuth: float) -> list[Par
         label=label,
         kind="cotyledon",
         parent=0,
-        at=_at(-5.8),
+        at=_position_at_birth(-5.8),
         azimuth=azimuth,
         birth=-5.8,
         duration=7.0,
         length=11.0,
-        width=taper(1.0, 0.8),
+        width=tapered_radii(1.0, 0.8),
         tube=True,
         young=STALK,
         mature=STALK,
@@ -80,7 +81,7 @@ def _cotyledon(rng: np.random.Generator, label: int, azimuth: float) -> list[Par
         birth=-5.7,
         duration=8.0,
         length=rng.uniform(25, 29),
-        width=blade(5.2, 0.15, 0.7, 0.8),
+        width=blade_outline(5.2, 0.15, 0.7, 0.8),
         tube=False,
         young=YOUNG,
         mature=(0.26, 0.54, 0.18),
@@ -101,12 +102,12 @@ def _leaf(rng: np.random.Generator, rank: int, first: int, azimuth: float) -> li
         label=rank + 3,
         kind="leaf",
         parent=0,
-        at=_at(birth),
+        at=_position_at_birth(birth),
         azimuth=azimuth,
         birth=birth,
         duration=10.0,
         length=length,
-        width=taper(1.7, 0.8),
+        width=tapered_radii(1.7, 0.8),
         tube=True,
         young=STALK,
         mature=(0.42, 0.58, 0.26),
@@ -116,17 +117,17 @@ def _leaf(rng: np.random.Generator, rank: int, first: int, azimuth: float) -> li
         bend=Change(-0.25, rng.uniform(0.75, 1.15)),
         bend_power=1.3,
         turn=rng.normal(0, 0.2),
-        wobble=crooked(rng, 0.05, 1.2),
+        deviations=random_deviations(rng, 0.05, 1.2),
     )
     parts = [stalk, _leaflet(rng, stalk, first, 1.0, 0, 0.50 * length)]
     pairs = 1 if rank == 0 else 2 if rank < 3 else 3
     for pair in range(pairs):
-        place = np.interp(pair, [0, max(pairs - 1, 1)], [0.82 if pairs > 1 else 0.62, 0.38])
+        position = np.interp(pair, [0, max(pairs - 1, 1)], [0.82 if pairs > 1 else 0.62, 0.38])
         size = length * (0.42 - 0.04 * pair) * (0.8 if rank == 0 else 1)
-        parts += [_leaflet(rng, stalk, first, place, side, size) for side in (-1, 1)]
+        parts += [_leaflet(rng, stalk, first, position, side, size) for side in (-1, 1)]
         if rank > 2 and pair < 2:  # the small leaflets between the pairs
             parts += [
-                _leaflet(rng, stalk, first, place - 0.11, side, 0.28 * size) for side in (-1, 1)
+                _leaflet(rng, stalk, first, position - 0.11, side, 0.28 * size) for side in (-1, 1)
             ]
     return parts
 
@@ -136,8 +137,8 @@ def _leaflet(
 ) -> Part:
     """A leaflet on the left (-1) or right (1) side of the stalk, or at its end (0)."""
     along = np.linspace(0, 1, NODES)
-    droop = np.zeros((NODES, 2))
-    droop[:, 1] = -side * rng.uniform(0.45, 0.8) * along
+    slopes = np.zeros((NODES, 2))
+    slopes[:, 1] = -side * rng.uniform(0.45, 0.8) * along
     spread = rng.uniform(1.0, 1.3)
     length = length * rng.uniform(0.9, 1.1)
     return Part(
@@ -164,7 +165,7 @@ def _leaflet(
         ruffle=0.035 * length,
         waves=3.0,
         phase=rng.uniform(0, 2 * np.pi),
-        wobble=droop,
+        deviations=slopes,
     )
 
 

@@ -4,32 +4,28 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grow.part import Change, Part, blade, crooked, taper
+from grow.part import Change, Part, blade_outline, random_deviations, tapered_radii
 from grow.species import Species
 
-BRANCH_DAYS = 56.0
-GOLDEN = np.pi * (3 - 5**0.5)
+BRANCH_DAYS = 56.0  # duration of the growth of a branch
+GOLDEN_ANGLE = np.pi * (3 - 5**0.5)  # radians, between successive branches or leaves
+# Colours, sRGB from 0 to 1.
 BARK, TWIG = (0.42, 0.33, 0.25), (0.52, 0.50, 0.28)
 LEAF_YOUNG, LEAF = (0.66, 0.82, 0.30), (0.24, 0.52, 0.16)
 
 
 @dataclass(frozen=True)
 class Habit:
-    """How a tree branches; lengths in mm, times in days.
+    """How a tree branches; lengths in mm, times in days."""
 
-    branches:  number of branches on each part of each order (trunk, branch, twig, ...).
-    ratio:     length of the longest branches relative to their parent.
-    leaves:    number on every branch.
-    """
-
-    height: float
-    radius: float
-    branches: tuple[int, ...]
-    ratio: tuple[float, ...]
-    leaves: int = 0
-    birth: float = -60.0
-    duration: float = 110.0
-    apical: float = 0.6
+    height: float  # of the mature trunk
+    radius: float  # of the mature trunk at its base
+    branches: tuple[int, ...]  # number of branches on each part, by order (trunk, branch, twig)
+    ratio: tuple[float, ...]  # length of the longest branches : length of their parent, by order
+    leaves: int = 0  # number of leaves on every branch
+    birth: float = -60.0  # of the trunk
+    duration: float = 110.0  # of the growth of the trunk
+    apical: float = 0.6  # gradient of the trunk, see `Part`
 
 
 def grow(rng: np.random.Generator) -> Species:
@@ -51,6 +47,7 @@ def tree2(rng: np.random.Generator) -> Species:
 
 
 def _parts(rng: np.random.Generator, habit: Habit) -> tuple[Part, ...]:
+    """The trunk, the branches of all orders, and the leaves."""
     trunk = Part(
         label=0,
         kind="trunk",
@@ -61,22 +58,22 @@ def _parts(rng: np.random.Generator, habit: Habit) -> tuple[Part, ...]:
         duration=habit.duration,
         length=habit.height,
         gradient=habit.apical,
-        width=taper(habit.radius, 0.08 * habit.radius),
+        width=tapered_radii(habit.radius, 0.08 * habit.radius),
         tube=True,
         young=TWIG,
         mature=BARK,
         lag=1.3,
-        wobble=crooked(rng, 0.07, 1.5),
+        deviations=random_deviations(rng, 0.07, 1.5),
     )
     parts, parents = [trunk], [0]
     for order, number in enumerate(habit.branches):
-        born: list[int] = []
+        new_branches: list[int] = []
         for parent in parents:
             branches = _branches(rng, parts[parent], parent, number, habit.ratio[order], order)
             for branch in branches:
-                born.append(len(parts))
+                new_branches.append(len(parts))
                 parts.append(replace(branch, label=len(parts)))
-        parents = born
+        parents = new_branches
     if habit.leaves:
         for index in range(1, len(parts)):
             parts += _leaves(rng, parts[index], index, habit.leaves)
@@ -89,14 +86,14 @@ def _branches(
     """The branches of one parent, from its base to its tip, without their labels."""
     azimuth = rng.uniform(0, 2 * np.pi)
     branches = []
-    for place in range(number):
+    for position in range(number):
         low = 0.22 if order == 0 else 0.2
-        at = low + (0.93 - low) * (place + rng.uniform(-0.3, 0.3) + 0.3) / number
-        azimuth += GOLDEN + rng.normal(0, 0.25)
+        at = low + (0.93 - low) * (position + rng.uniform(-0.3, 0.3) + 0.3) / number
+        azimuth += GOLDEN_ANGLE + rng.normal(0, 0.25)
         crown = np.interp(at, [0, 0.2, 0.45, 1.0], [0.7, 0.8, 1.0, 0.3])
         length = parent.length * ratio * crown * rng.uniform(0.75, 1.15)
-        thick = np.interp(at, np.linspace(0, 1, len(parent.width)), parent.width)
-        radius = min(0.7 * thick, 0.0115 * length)
+        parent_radius = np.interp(at, np.linspace(0, 1, len(parent.width)), parent.width)
+        radius = min(0.7 * parent_radius, 0.0115 * length)
         birth = parent.birth + parent.gradient * parent.duration * at + rng.uniform(1.0, 4.0)
         branches.append(
             Part(
@@ -109,7 +106,7 @@ def _branches(
                 duration=BRANCH_DAYS,
                 length=length,
                 gradient=0.5,
-                width=taper(radius, 0.15 * radius),
+                width=tapered_radii(radius, 0.15 * radius),
                 tube=True,
                 young=TWIG,
                 mature=BARK,
@@ -118,7 +115,7 @@ def _branches(
                 lean=Change(0.45, rng.uniform(0.8, 1.15)),
                 bend=Change(-0.1, rng.uniform(-0.65, -0.2)),
                 lag=1.3,
-                wobble=crooked(rng, 0.16, 1.6),
+                deviations=random_deviations(rng, 0.16, 1.6),
             )
         )
     return branches
@@ -128,9 +125,9 @@ def _leaves(rng: np.random.Generator, branch: Part, index: int, number: int) -> 
     """The leaves of one branch, with its label, since a branch with its leaves is one organ."""
     azimuth = rng.uniform(0, 2 * np.pi)
     leaves = []
-    for place in range(number):
-        at = 0.3 + 0.7 * (place + 1) / number
-        azimuth += GOLDEN
+    for position in range(number):
+        at = 0.3 + 0.7 * (position + 1) / number
+        azimuth += GOLDEN_ANGLE
         birth = branch.birth + branch.gradient * branch.duration * min(at, 0.97)
         length = rng.uniform(75, 110)
         leaves.append(
@@ -143,7 +140,7 @@ def _leaves(rng: np.random.Generator, branch: Part, index: int, number: int) -> 
                 birth=birth + rng.uniform(0.3, 1.5),
                 duration=14.0,
                 length=length,
-                width=np.maximum(blade(0.30 * length, 0.05, 0.9, 0.8), 1.0),
+                width=np.maximum(blade_outline(0.30 * length, 0.05, 0.9, 0.8), 1.0),
                 tube=False,
                 young=LEAF_YOUNG,
                 mature=LEAF,

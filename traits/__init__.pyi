@@ -1,4 +1,4 @@
-from .table import Namer, data_frame, measure_days, write_table
+from .table import NamedPlant, data_frame, measure_days, write_table
 from .traits import Measurement, measure
 
-__all__ = ["Measurement", "Namer", "data_frame", "measure", "measure_days", "write_table"]
+__all__ = ["Measurement", "NamedPlant", "data_frame", "measure", "measure_days", "write_table"]

@@ -15,14 +15,14 @@ if TYPE_CHECKING:
 
 Points = NDArray[np.float64]
 
-# Lengths are in point spacings (the median distance to the nearest neighbour).
-GRAPH_NEIGHBORS = 10
-SLICE_LENGTH = 3.0
-MAX_SLICES = 40
-MAX_DETOUR = 8.0  # of points on the axis; leaflets make longer detours from the shortest path
-BASE_RIM = 3.0  # the base includes points that are so much nearer to the tip than the farthest one
-MAX_BASE_GAP = 0.15  # in organ lengths, between the base and the parent
-MAX_TIP_EXTRAPOLATION = 3.0
+# Lengths are in point spacings (the median distance to the nearest neighbour), unless noted.
+GRAPH_NEIGHBORS = 10  # of a point in the kNN graph
+MIN_POINTS = 6  # of an organ
+SLICE_LENGTH, MAX_SLICES = 3.0, 40  # along the axis; greatest number of slices
+MAX_DETOUR = 8.0  # of a path over a point of the axis; paths over leaflets are longer
+BASE_RIM = 3.0  # greatest difference in distance from the tip of points of the base
+MAX_BASE_GAP = 0.15  # between the base and the parent, in lengths of the organ
+MAX_TIP_EXTRAPOLATION = 3.0  # of the axis beyond the outermost point
 
 
 @dataclass(frozen=True)
@@ -74,11 +74,11 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
     """
     from scipy.sparse.csgraph import dijkstra
 
-    if len(points) < 6 or not np.ptp(points, axis=0).any():
+    if len(points) < MIN_POINTS or not np.ptp(points, axis=0).any():
         return None
     graph, spacing = _graph(points)
 
-    @cache  # since the base and the tip are usually the two ends
+    @cache  # the base and the tip are usually the two ends, from which distances are known then
     def distances_from(*sources: int) -> NDArray[np.float64]:
         return dijkstra(graph, directed=False, indices=list(sources), min_only=True)
 
@@ -97,12 +97,12 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
     share = (from_base - from_tip + length)[on_axis] / (2.0 * length)
     count = int(min(length / (SLICE_LENGTH * spacing), MAX_SLICES, len(on_axis) / 6))
     centroids = _slice_centroids(points[on_axis], share, max(count, 3))
-    last = points[on_axis][share > 0.5]
+    outer_half, limit = points[on_axis][share > 0.5], MAX_TIP_EXTRAPOLATION * spacing
     line = np.concatenate(
         [
             _end(points[base], centroids[0], centroids[1]),
             centroids,
-            _end(points[tip], centroids[-1], centroids[-2], last, MAX_TIP_EXTRAPOLATION * spacing),
+            _end(points[tip], centroids[-1], centroids[-2], outer_half, limit),
         ]
     )
     return Axis(line, _start_direction(line, points[on_axis], share))
@@ -118,15 +118,15 @@ def _base(
     """Index of the attachment point: the end of the organ that is nearer to its parent."""
     from scipy.spatial import cKDTree
 
-    first = int(distances_from(0).argmax())
-    from_first = distances_from(first)
-    ends = [first, int(from_first.argmax())]
+    farthest = int(distances_from(0).argmax())
+    from_farthest = distances_from(farthest)
+    ends = [farthest, int(from_farthest.argmax())]
     if not len(parent):
         return min(ends, key=lambda end: float(points[end] @ up))
     gap = cKDTree(parent).query(points)[0]
     base = min(ends, key=lambda end: float(gap[end]))
     nearest = int(gap.argmin())
-    max_gap = gap[nearest] + MAX_BASE_GAP * from_first.max() + BASE_RIM * spacing
+    max_gap = gap[nearest] + MAX_BASE_GAP * from_farthest.max() + BASE_RIM * spacing
     return base if gap[base] <= max_gap else nearest
 
 
@@ -158,25 +158,25 @@ def _start_direction(line: Points, points: Points, share: NDArray[np.float64]) -
 
 
 def _end(
-    point: Points, last: Points, before: Points, near: Points | None = None, most: float = 0.0
+    point: Points, last: Points, before: Points, around: Points | None = None, limit: float = 0.0
 ) -> Points:
-    """An end of the axis, (1, 3): its straight continuation to the level of the outermost point.
+    """(1, 3) end of the axis: its straight continuation to the level of the outermost point.
 
     That point itself may be beside the axis, at the edge of a stem or in a corner of a leaf.
 
-    With `near`, (M, 3) points around a tip, the axis is extrapolated, since the tip is rarely
-    sampled: by the expected distance from the outermost of all points to the outermost of a random
-    half of them, but at most by `most`.
+    last, before: the last two points of the axis. With `around`, (M, 3) points around a tip,
+    the axis is extrapolated, since the tip is rarely sampled: by the expected distance from the
+    outermost of all points to the outermost of a random half of them, at most by `limit`.
     """
     direction = last - before
     direction = direction / max(float(np.linalg.norm(direction)), 1e-300)
     extrapolation = 0.0
-    if near is not None and len(near):
-        level = np.sort(near @ direction)[:-32:-1]
+    if around is not None and len(around):
+        level = np.sort(around @ direction)[:-32:-1]
         # The outermost point is in a random half with probability 1/2, else the second outermost is
         # that half's extreme with probability 1/4, and so on.
         expected = (level[0] - level) @ (0.5 ** np.arange(1, len(level) + 1))
-        extrapolation = min(float(expected), most)
+        extrapolation = min(float(expected), limit)
     return (last + (max(float((point - last) @ direction), 0.0) + extrapolation) * direction)[None]
 
 

@@ -12,7 +12,7 @@ from os import cpu_count
 from typing import TYPE_CHECKING
 
 from traits.fields import field_means
-from traits.table import Namer
+from traits.table import NamedPlant
 from traits.traits import measure
 
 if TYPE_CHECKING:
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 PLOTTED = {"length": " {}", "area": " {}²", "angle": "°"}  # trait -> its unit, from that of lengths
 FIELD = "mean {}"  # name of the curve of a field
-# Errors of nine in ten values that are sure, and of others: relative, or of 100 degrees
-# (`python -m bench.traits`).
-SURE, UNSURE = 0.05, 0.15
-SVG_SIZE = (320.0, 84.0)
-FIXED = 'vector-effect="non-scaling-stroke"'  # a constant width of lines in a stretched picture
+# Relative errors that nine in ten values do not exceed, if they are sure and otherwise; those of
+# angles are relative to 100 degrees (`python -m bench.traits`).
+SURE_ERROR, UNSURE_ERROR = 0.05, 0.15
+SVG_SIZE = (320.0, 84.0)  # width and height, in the units of the picture
+STROKE = 'vector-effect="non-scaling-stroke"'  # of a stretched picture
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class TraitCurve:
     """One trait or mean field of one organ, at the scans with the organ."""
 
     track: int
-    trait: str  #: one of `plotted`
+    trait: str  #: one of `curve_names`
     unit: str
     times: tuple[float, ...]
     values: tuple[float, ...]
@@ -59,7 +59,7 @@ class TraitCurve:
         return list(zip(self.values, self.margins, strict=True))
 
 
-def plotted(clip: Clip) -> list[str]:
+def curve_names(clip: Clip) -> list[str]:
     """Names of the curves of a clip: the traits, and the mean of each field."""
     return [*PLOTTED, *(FIELD.format(name) for name in clip.fields)]
 
@@ -79,7 +79,7 @@ def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[Trai
         Sorted by track id.
     """
     chosen = range(len(clip.track_table)) if tracks is None else tracks
-    namer, unit = Namer(clip, ""), clip.unit or "units"
+    plant, unit = NamedPlant(clip, ""), clip.unit or "units"
     with ThreadPoolExecutor(cpu_count()) as threads:
         scans = list(threads.map(partial(measure, clip, only=chosen), clip.times))
     curves: dict[tuple[int, str], list[tuple[float, float, float, bool]]] = {}
@@ -90,11 +90,11 @@ def trait_curves(clip: Clip, tracks: Collection[int] | None = None) -> list[Trai
             value = getattr(organ, trait)
             if value is None:
                 continue
-            sure = namer.is_sure(organ, trait)
-            margin = (100.0 if trait == "angle" else value) * (SURE if sure else UNSURE)
+            sure = plant.is_sure(organ, trait)
+            margin = (100.0 if trait == "angle" else value) * (SURE_ERROR if sure else UNSURE_ERROR)
             curves.setdefault((organ.track, trait), []).append((organ.time, value, margin, sure))
         for name, mean in field_means(clip, organ.time, organ.track).items():
-            point = (organ.time, mean, 0.0, not namer.is_doubtful(organ))
+            point = (organ.time, mean, 0.0, not plant.is_doubtful(organ))
             curves.setdefault((organ.track, FIELD.format(name)), []).append(point)
     return [
         TraitCurve(track, trait, PLOTTED.get(trait, "").format(unit), *zip(*points, strict=True))
@@ -115,17 +115,17 @@ def curve_svg(curve: TraitCurve, span: tuple[float, float], color: str) -> str:
     """
     (width, height), (first, last) = SVG_SIZE, span
 
-    def place(time: float, value: float) -> str:
+    def position(time: float, value: float) -> str:
         x = width * (time - first) / (last - first)
         return f"{x:.1f},{height - 4.0 - (height - 8.0) * curve.level(value):.1f}"
 
     points = list(zip(curve.times, curve.values, curve.margins, strict=True))
-    upper = [place(time, value + margin) for time, value, margin in points]
-    lower = [place(time, value - margin) for time, value, margin in reversed(points)]
-    line = [place(time, value) for time, value, _ in points]
+    upper = [position(time, value + margin) for time, value, margin in points]
+    lower = [position(time, value - margin) for time, value, margin in reversed(points)]
+    line = [position(time, value) for time, value, _ in points]
     # Lines of length 0 with round caps, since circles would be stretched with the picture.
     dots = "".join(
-        f'<path d="M{at}h0" stroke-width="7" opacity="{1.0 if sure else 0.4}" {FIXED}/>'
+        f'<path d="M{at}h0" stroke-width="7" opacity="{1.0 if sure else 0.4}" {STROKE}/>'
         for at, sure in zip(line, curve.sure, strict=True)
     )
     return (
@@ -133,6 +133,6 @@ def curve_svg(curve: TraitCurve, span: tuple[float, float], color: str) -> str:
         f"<title>{escape(curve.trait)}</title>"
         f'<polygon points="{" ".join(upper + lower)}" fill="{color}" opacity="0.25"/>'
         f'<g stroke="{color}" fill="none" stroke-linecap="round">'
-        f'<polyline points="{" ".join(line)}" stroke-width="2" {FIXED}/>'
+        f'<polyline points="{" ".join(line)}" stroke-width="2" {STROKE}/>'
         f"{dots}</g></svg>"
     )

@@ -15,10 +15,21 @@ if TYPE_CHECKING:
 
 
 def date_at(scans: Sequence[ScanMark], day: float) -> str:
-    """The date of a time: that of a scan, or one between two scans in the style of theirs.
+    """Format a time as a date: that of a scan, or one between two scans in the style of theirs.
 
     Between ISO dates it is an ISO date, between "day 3" and "day 5" a day with one decimal
     ("day 3.4"), and otherwise the time as a number, "3.4".
+
+    Parameters
+    ----------
+    scans : sequence of gclip.ScanMark
+        In the order of time.
+    day : float
+        In the clip's unit of time.
+
+    Returns
+    -------
+    str
     """
     index = min(max(bisect_right([scan.time for scan in scans], day) - 1, 0), len(scans) - 1)
     before, after = scans[index], scans[min(index + 1, len(scans) - 1)]
@@ -29,17 +40,26 @@ def date_at(scans: Sequence[ScanMark], day: float) -> str:
         start, end = (datetime.fromisoformat(scan.date) for scan in (before, after))
         style = "%Y-%m-%d %H:%M" if ":" in before.date + after.date else "%Y-%m-%d"
         return (start + share * (end - start)).strftime(style)
-    numbered = re.compile(r"(.*?)(-?\d+(?:\.\d+)?)", re.DOTALL)
-    first, last = numbered.fullmatch(before.date), numbered.fullmatch(after.date)
+    pattern = re.compile(r"(.*?)(-?\d+(?:\.\d+)?)", re.DOTALL)
+    first, last = pattern.fullmatch(before.date), pattern.fullmatch(after.date)
     if first and last and first[1] == last[1]:
         return f"{first[1]}{(1.0 - share) * float(first[2]) + share * float(last[2]):.1f}"
     return f"{day:.1f}"
 
 
 def day_of(scans: Sequence[ScanMark], text: str) -> float | None:
-    """The time of a text: the date of a scan, a number, or an ISO date if the scans have these.
+    """Parse the date of a scan, a number or, if the scans have these, an ISO date.
 
-    It is None if the text is something else.
+    Parameters
+    ----------
+    scans : sequence of gclip.ScanMark
+        In the order of time.
+    text : str
+
+    Returns
+    -------
+    float or None
+        The time in the clip's unit; None if the text is none of these.
     """
     dates = {scan.date: scan.time for scan in scans if scan.date}
     if text in dates:

@@ -19,7 +19,7 @@ class Doubt:
     end: float
     track: int
     what: str  #: a clause: "organ 3 tears"
-    strength: float = 1.0  #: the measured value over its threshold: 1 is just doubtful
+    strength: float = 1.0  #: the measured value over the threshold above which it is doubtful
     identity: bool = False  #: whether the organ may be another one, rather than move wrongly
 
     def concerns(self, time: float) -> bool:
@@ -32,11 +32,13 @@ class Doubt:
 
 @dataclass(frozen=True)
 class _Verdict:
+    """The part of `provenance.verdict` that is read."""
+
     doubts: tuple[Doubt, ...]
 
 
 def doubts_of(clip: Clip) -> tuple[Doubt, ...]:
-    """The doubts in a clip's provenance, sorted by time; none if it has no valid verdict."""
+    """The doubts in a clip's provenance, sorted by time; empty if it has no valid verdict."""
     try:
         doubts = msgspec.convert(clip.provenance.get("verdict"), _Verdict).doubts
     except msgspec.ValidationError:

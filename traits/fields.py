@@ -54,5 +54,6 @@ def field_means(clip: Clip, day: float, track: int | None = None) -> dict[str, f
 
 
 def _mean(values: np.ndarray) -> float:
+    """The mean of the finite values; NaN if there are none."""
     finite = values[np.isfinite(values)]
     return float(finite.mean()) if len(finite) else float("nan")

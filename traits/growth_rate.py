@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from gclip import Clip, Interval, Motion
 from gclip.evaluate import positions_on_curve
 
-MAX_SAMPLE = 3000  # movers of an organ whose rates are computed; others take the nearest one's
-NEIGHBOR_SHARE = 0.05  # of an organ's sampled movers that are neighbours of one
-MIN_NEIGHBORS, MAX_NEIGHBORS = 24, 160  # with fewer, rates show the noise of the scans
+MAX_SAMPLE = 3000  # movers of an organ whose rates are computed; others get that of the nearest
+NEIGHBOR_SHARE = 0.05  # number of neighbours : number of an organ's sampled movers
+MIN_NEIGHBORS, MAX_NEIGHBORS = 24, 160  # with fewer, the noise of the scans dominates the rates
 
 
 def growth_rates(clip: Clip) -> list[NDArray[np.float64]]:
@@ -33,6 +33,7 @@ def growth_rates(clip: Clip) -> list[NDArray[np.float64]]:
 
 
 def _interval_rates(interval: Interval, born: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(N,) rates of the movers of an interval; born: (T,) times at which organs are born."""
     from scipy.spatial import KDTree
 
     rates = np.full(len(interval), np.nan)
@@ -50,8 +51,8 @@ def _interval_rates(interval: Interval, born: NDArray[np.float64]) -> NDArray[np
         if len(sample) < MIN_NEIGHBORS:
             continue
         count = min(max(int(NEIGHBOR_SHARE * len(sample)), MIN_NEIGHBORS), MAX_NEIGHBORS)
-        # Neighbours are searched at mid-interval: those at either end would be nearest by selection
-        # at that end, and would seem to move apart from there on.
+        # Neighbours are found at mid-interval. If they were found at one end, they would be nearest
+        # there by selection, and would seem to move apart towards the other end.
         tree = KDTree((start[sample] + end[sample]) / 2)
         neighbors = sample[tree.query(tree.data, k=count)[1]]
         first, last = (points[neighbors].var(axis=1).sum(axis=1) for points in (start, end))

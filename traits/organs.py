@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 Points = NDArray[np.float64]
 
-MAX_POINTS = 2500  # of an organ; of more, a random sample is measured
-CLOUD_FACTOR = 8  # points to which the surface is fitted : points that are measured
+MAX_POINTS = 2500  # number of points of an organ that are measured, a random sample
+CLOUD_FACTOR = 8  # number of points to which the surface is fitted : number that are measured
 DENSITY_NEIGHBORS = 8  # the distance to this neighbour estimates the local density
 
 
@@ -30,17 +30,18 @@ class Organ(NamedTuple):
         A larger sample that includes these points.
     mixed : float
         0 if all points come from one scan, 1 if half of them come from each of two.
-    seen : bool
+    in_previous_scan : bool
         Whether the previous scan has the organ; otherwise its size is a guess.
-    known : float
-        Weight of the organ for the noise: rises from 0 to 1 in the interval before its first scan.
+    noise_weight : float
+        Weight of the organ in the estimate of the noise: it rises from 0 to 1 in the interval
+        before the organ's first scan.
     """
 
     points: Points
     cloud: Points
     mixed: float = 0.0
-    seen: bool = True
-    known: float = 1.0
+    in_previous_scan: bool = True
+    noise_weight: float = 1.0
 
 
 class Sample(NamedTuple):
@@ -89,8 +90,8 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
         moved |= {track for track in np.unique(tracks[~newborn]).tolist() if lost[track] != begin}
         for part, weight, side in zip(parts, weights, (starts, ends), strict=True):
             if weight:
-                for track, chosen in _distinct(tracks, side).items():
-                    part.setdefault(track, []).append(positions[chosen])
+                for track, indices in _distinct(tracks, side).items():
+                    part.setdefault(track, []).append(positions[indices])
     mixed = 4.0 * passed * (1.0 - passed)
     return [
         Sample(
@@ -99,8 +100,8 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
                 track: Organ(
                     *_even_sample(np.concatenate(points), weight),
                     mixed=mixed if track in moved else 0.0,
-                    seen=bool(born[track] <= begin) or passed == 1.0,
-                    known=passed if born[track] == begin else float(born[track] < begin),
+                    in_previous_scan=bool(born[track] <= begin) or passed == 1.0,
+                    noise_weight=passed if born[track] == begin else float(born[track] < begin),
                 )
                 for track, points in part.items()
             },
@@ -111,7 +112,7 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
 
 
 def _distinct(tracks: NDArray[np.integer], points: NDArray) -> dict[int, NDArray[np.intp]]:
-    """Track -> indices of its first mover at each distinct point, of (N, 3)."""
+    """Indices of the first mover at each distinct one of (N, 3) points, by track."""
     order = np.lexsort((*points.T[::-1], tracks))
     sorted_tracks, sorted_points = tracks[order], points[order]
     first = np.ones(len(order), bool)

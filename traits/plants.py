@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from gclip.errors import UserError
 from gclip.terminal.atomic import atomic_file
-from traits.table import COLUMNS, Namer, measure_days, write_table
+from traits.table import COLUMNS, NamedPlant, measure_days, write_table
 
 if TYPE_CHECKING:
     from gclip.clip import Clip
@@ -40,14 +40,14 @@ def write_traits(
         If the file can't be written.
     """
     table = io.StringIO()
-    write_table(table, Namer(clip, plant), measure_days(clip), partial(progress, "measuring"))
+    write_table(table, NamedPlant(clip, plant), measure_days(clip), partial(progress, "measuring"))
     _write(path, [table.getvalue().encode()])
 
 
 class TraitsTable:
     """A table of many plants, which keeps rows of an existing table for clips that are unchanged.
 
-    Raises UserError where the existing table can't be read.
+    Raises UserError if the existing table can't be read.
     """
 
     def __init__(self, path: Path) -> None:
@@ -66,7 +66,7 @@ class TraitsTable:
         except (UnicodeDecodeError, csv.Error):
             pass  # the rest was not written by this program
 
-    def known(self, plant: str) -> tuple[str, str] | None:
+    def source_of(self, plant: str) -> tuple[str, str] | None:
         """The `traits.table.provenance` of a plant's rows in the existing table, or None."""
         return self._sources.get(plant)
 
@@ -82,6 +82,7 @@ class TraitsTable:
 
 
 def _write(path: Path, chunks: Iterable[bytes]) -> None:
+    """Write a file atomically."""
     with atomic_file(path) as part, part.open("wb") as file:
         file.writelines(chunks)
 

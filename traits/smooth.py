@@ -7,31 +7,32 @@ from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
 
-PATCH_SIZES = (12, 20, 40, 100)  # neighbours of a paraboloid; the first is used to estimate noise
-MAX_PATCH = 40  # neighbours, times the ratio of the cloud's points to the points to be smoothed
-FRAME_NEIGHBORS = 20  # to which the tangent plane of a paraboloid is fitted
+PATCH_SIZES = (12, 20, 40, 100)  # numbers of neighbours; the first is used to estimate the noise
+MAX_PATCH = 40  # most neighbours, if all points of the cloud are smoothed; else more in proportion
+FRAME_NEIGHBORS = 20  # number of neighbours to which a tangent plane is fitted
 # Regularisation of a paraboloid's terms 1, x, y, x², xy and y², for points on a line.
 RIDGE = np.array([1e-9, 1e-9, 1e-9, 1e-3, 1e-3, 1e-3])
 BIAS_WEIGHT = 0.4  # bias of a paraboloid at its centre : mean bias over the patch
-MIN_POINTS_FOR_NOISE = 36
-MAX_NOISE_RATIO = 1.25  # noise of an organ : noise of the plant
+MIN_POINTS_FOR_NOISE = 36  # of an organ
+MAX_NOISE_RATIO = 1.25  # standard deviation of the noise of an organ : that of the plant
 
 
 class Smoothed(NamedTuple):
     """(N, 3) points, and the share of the noise variance that remains in them."""
 
     points: Points
-    left: float
+    remaining: float
 
 
 class Noise(NamedTuple):
     """Standard deviation of the noise: of the plant, and of single organs by track id."""
 
-    usual: float
-    own: dict[int, float]
+    plant: float
+    organs: dict[int, float]
 
     def of(self, track: int) -> float:
-        return self.own.get(track, self.usual)
+        """The noise of an organ, or that of the plant if the organ is too small."""
+        return self.organs.get(track, self.plant)
 
 
 class Patches(NamedTuple):
@@ -47,7 +48,7 @@ class Patches(NamedTuple):
         Heights of the paraboloids above the points, along the normals.
     residual : ndarray of shape (P, N)
         Mean squared residuals of the neighbours.
-    left : ndarray of shape (P, N)
+    remaining : ndarray of shape (P, N)
         Shares of the noise variance that remain in the projected points.
     """
 
@@ -56,7 +57,7 @@ class Patches(NamedTuple):
     normals: Points
     height: NDArray[np.float64]
     residual: NDArray[np.float64]
-    left: NDArray[np.float64]
+    remaining: NDArray[np.float64]
 
 
 def fit_patches(points: Points, cloud: Points) -> Patches:
@@ -75,8 +76,8 @@ def fit_patches(points: Points, cloud: Points) -> Patches:
     """
     from scipy.spatial import cKDTree
 
-    most = min(MAX_PATCH * len(cloud) / max(len(points), 1), len(cloud))
-    sizes = [size for size in PATCH_SIZES if size <= most]
+    max_size = min(MAX_PATCH * len(cloud) / max(len(points), 1), len(cloud))
+    sizes = [size for size in PATCH_SIZES if size <= max_size]
     fits = np.zeros((3, len(sizes), len(points)))
     if not sizes:
         return Patches(points, len(cloud), np.zeros_like(points), *fits)
@@ -93,11 +94,11 @@ def fit_patches(points: Points, cloud: Points) -> Patches:
         inverse = np.linalg.inv(weighted @ terms.swapaxes(1, 2) + np.diag(RIDGE))
         coefficients = inverse @ (weighted @ z[..., None])
         misfit = (weight * (z - (coefficients.swapaxes(1, 2) @ terms)[:, 0]) ** 2).sum(axis=1)
-        twice = weighted @ weighted.swapaxes(1, 2)
-        free = weight.sum(axis=1) - (inverse * twice).sum(axis=(1, 2))
+        twice_weighted = weighted @ weighted.swapaxes(1, 2)
+        degrees_of_freedom = weight.sum(axis=1) - (inverse * twice_weighted).sum(axis=(1, 2))
         fit[0] = coefficients[:, 0, 0] * radius
-        fit[1] = misfit / np.maximum(free, 1e-9) * radius**2
-        fit[2] = np.minimum((inverse[:, :1] @ twice @ inverse[:, :, :1])[:, 0, 0], 1.0)
+        fit[1] = misfit / np.maximum(degrees_of_freedom, 1e-9) * radius**2
+        fit[2] = np.minimum((inverse[:, :1] @ twice_weighted @ inverse[:, :, :1])[:, 0, 0], 1.0)
     return Patches(points, len(cloud), axes[..., 0], *fits)
 
 
@@ -107,7 +108,7 @@ def tangent_frames(neighbors: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.linalg.eigh(centered.swapaxes(1, 2) @ centered)[1]
 
 
-def noise_of(organs: dict[int, Patches], known: dict[int, float] | None = None) -> Noise:
+def noise_of(organs: dict[int, Patches], organ_weights: dict[int, float] | None = None) -> Noise:
     """Estimate the standard deviation of the scanner's noise, for the plant and for each organ.
 
     Residuals of paraboloids come from noise, and from detail of the surface that is finer than the
@@ -118,7 +119,7 @@ def noise_of(organs: dict[int, Patches], known: dict[int, float] | None = None) 
     ----------
     organs : dict of int to Patches
         By track id.
-    known : dict of int to float, optional
+    organ_weights : dict of int to float, optional
         Weight of each organ in the estimate of the plant, 0 to 1; by default 1.
 
     Returns
@@ -134,13 +135,13 @@ def noise_of(organs: dict[int, Patches], known: dict[int, float] | None = None) 
         return Noise(0.0, {})
     order = sorted(residuals, key=lambda track: (residuals[track], track))
     sizes = np.array([organs[track].cloud_size for track in order], float)
-    weights = sizes * [1.0 if known is None else known[track] for track in order]
+    weights = sizes * [1.0 if organ_weights is None else organ_weights[track] for track in order]
     weights = weights if weights.any() else sizes
     # The mean of quantiles 1/8 to 3/8 instead of the quartile is continuous as organs come and go.
     share = np.clip(np.append(0.0, weights.cumsum() / weights.sum()), 1 / 8, 3 / 8)
-    usual = float(4.0 * np.diff(share) @ [residuals[track] for track in order])
-    limit = MAX_NOISE_RATIO * usual
-    return Noise(usual, {track: min(noise, limit) for track, noise in residuals.items()})
+    plant = float(4.0 * np.diff(share) @ [residuals[track] for track in order])
+    limit = MAX_NOISE_RATIO * plant
+    return Noise(plant, {track: min(noise, limit) for track, noise in residuals.items()})
 
 
 def smoothed(patches: Patches, noise: float) -> Smoothed:
@@ -165,11 +166,11 @@ def smoothed(patches: Patches, noise: float) -> Smoothed:
     Alexa et al. (2003), "Computing and rendering point set surfaces", IEEE TVCG 9.
     Stein (1981), "Estimation of the mean of a multivariate normal distribution", Ann. Stat. 9.
     """
-    points, _, normals, height, residual, left = patches
+    points, _, normals, height, residual, remaining = patches
     if noise <= 0.0 or not height.size:
         return Smoothed(points, float(noise > 0.0))
-    risk = BIAS_WEIGHT * np.maximum(residual / noise**2 - 1.0, 0.0) + left
+    risk = BIAS_WEIGHT * np.maximum(residual / noise**2 - 1.0, 0.0) + remaining
     best = risk.argmin(axis=0), np.arange(len(points))
-    worth = risk[best] < 1.0
-    moved = points + np.where(worth, height[best], 0.0)[:, None] * normals
-    return Smoothed(moved, float(np.where(worth, left[best], 1.0).mean()))
+    is_moved = risk[best] < 1.0
+    moved = points + np.where(is_moved, height[best], 0.0)[:, None] * normals
+    return Smoothed(moved, float(np.where(is_moved, remaining[best], 1.0).mean()))

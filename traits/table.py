@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from gclip import Clip
 
-NAMES = {"hull": "hull_volume"}
+NAMES = {"hull": "hull_volume"}  # of traits that the table calls otherwise
 YES, NO = "yes", "no"
 COLUMNS = (
     *("plant", "level", "track", "organ", "kind", "parent", "born", "lost"),
@@ -73,19 +73,20 @@ def data_frame(
             'Traits as a table need pandas: pip install "plant-growth-clips[pandas]"'
         ) from None
     file = StringIO(newline="")
-    write_table(file, Namer(clip, plant), measure_days(clip) if days is None else days)
+    write_table(file, NamedPlant(clip, plant), measure_days(clip) if days is None else days)
     file.seek(0)
     return pandas.read_csv(file, true_values=[YES], false_values=[NO])
 
 
 @dataclass(frozen=True)
-class Namer:
-    """A clip, the name of its plant for the table, and the doubts about its organs."""
+class NamedPlant:
+    """A clip with the name of its plant for the table, and with the doubts about its organs."""
 
     clip: Clip
-    plant: str
+    name: str
 
     def date_at(self, day: float) -> str:
+        """The date of a time, see `traits.dates.date_at`."""
         return date_at(self.clip.scans, day)
 
     @cached_property
@@ -102,14 +103,14 @@ class Namer:
 
 
 def measure_days(clip: Clip) -> list[float]:
-    """The days of a clip that are measured: those of its scans, and the middle of each interval."""
+    """The days on which a clip is measured: those of its scans, and the middle of each interval."""
     middles = [(before + after) / 2 for before, after in pairwise(clip.times)]
     return sorted([*clip.times, *middles])
 
 
 def write_table(
     file: TextIO,
-    namer: Namer,
+    plant: NamedPlant,
     days: Sequence[float],
     progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> None:
@@ -121,7 +122,7 @@ def write_table(
     Parameters
     ----------
     file : text file
-    namer : Namer
+    plant : NamedPlant
     days : sequence of float
         In the clip's unit of time; see `measure_days`.
     progress : callable, optional
@@ -129,51 +130,51 @@ def write_table(
     """
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
-    found: dict[float, list[Measurement]] = {}
-    about = provenance(namer.clip)
+    measurements_of_day: dict[float, list[Measurement]] = {}
+    source = provenance(plant.clip)
     with ThreadPoolExecutor(cpu_count()) as threads:
-        measured = zip(days, threads.map(partial(measure, namer.clip), days), strict=True)
+        measured = zip(days, threads.map(partial(measure, plant.clip), days), strict=True)
         for done, (day, measurements) in enumerate(measured):
             progress(done, len(days))
-            found[day] = measurements
-            writer.writerows(map(_safe, row) for row in _values(namer, measurements, about))
-    scans = [time for time in namer.clip.times if time in found]
+            measurements_of_day[day] = measurements
+            writer.writerows(map(_safe, row) for row in _values(plant, measurements, source))
+    scans = [time for time in plant.clip.times if time in measurements_of_day]
     for before, after in pairwise(scans):
-        rates = _rates(namer, found[before], found[after], about)
+        rates = _rates(plant, measurements_of_day[before], measurements_of_day[after], source)
         writer.writerows(map(_safe, row) for row in rates)
     progress(len(days), len(days))
 
 
 def _values(
-    namer: Namer, found: Iterable[Measurement], source: tuple[str, str]
+    plant: NamedPlant, measurements: Iterable[Measurement], source: tuple[str, str]
 ) -> Iterator[Sequence[object]]:
     """The rows of measurements at one time."""
-    clip = namer.clip
-    for organ in found:
+    clip = plant.clip
+    for organ in measurements:
         state = "scan" if organ.time in clip.times else "between"
-        when = (state, _number(organ.time), namer.date_at(organ.time), "", "", "", clip.time_unit)
+        when = (state, _number(organ.time), plant.date_at(organ.time), "", "", "", clip.time_unit)
         values = [
-            (NAMES.get(trait, trait), getattr(organ, trait), unit, namer.is_sure(organ, trait))
+            (NAMES.get(trait, trait), getattr(organ, trait), unit, plant.is_sure(organ, trait))
             for trait, unit in _units(clip).items()
         ]
         fields = field_means(clip, organ.time, organ.track).items()
         values += [
-            (f"mean_{name}", mean, "", not namer.is_doubtful(organ)) for name, mean in fields
+            (f"mean_{name}", mean, "", not plant.is_doubtful(organ)) for name, mean in fields
         ]
         for trait, value, unit, sure in values:
             if value is not None:
-                what = (*_identity(namer, organ), trait, _number(value), unit)
-                yield (*what, *when, organ.points, YES if sure else NO, *source)
+                columns = (*_identity(plant, organ), trait, _number(value), unit)
+                yield (*columns, *when, organ.points, YES if sure else NO, *source)
 
 
 def _rates(
-    namer: Namer,
+    plant: NamedPlant,
     before: Iterable[Measurement],
     after: Iterable[Measurement],
     source: tuple[str, str],
 ) -> Iterator[Sequence[object]]:
     """The rows of growth rates between two scans."""
-    clip, by_track = namer.clip, {organ.track: organ for organ in before}
+    clip, by_track = plant.clip, {organ.track: organ for organ in before}
     for late in after:
         early = by_track.get(late.track)
         if early is None:
@@ -185,22 +186,26 @@ def _rates(
             first, last = getattr(early, trait), getattr(late, trait)
             if first is not None and last is not None and trait != "angle":
                 unit, rate = f"{unit}/{clip.time_unit.removesuffix('s')}", (last - first) / span
-                what = (*_identity(namer, late), f"{NAMES.get(trait, trait)}_growth", _number(rate))
+                columns = (
+                    *_identity(plant, late),
+                    f"{NAMES.get(trait, trait)}_growth",
+                    _number(rate),
+                )
                 worse = late if trait in early.sure else early
-                sure = YES if namer.is_sure(worse, trait) else NO
-                yield (*what, unit, *when, worse.points, sure, *source)
+                sure = YES if plant.is_sure(worse, trait) else NO
+                yield (*columns, unit, *when, worse.points, sure, *source)
 
 
-def _identity(namer: Namer, organ: Measurement) -> tuple[object, ...]:
+def _identity(plant: NamedPlant, organ: Measurement) -> tuple[object, ...]:
     """The columns from `plant` to `lost`."""
     if organ.track is None:
-        return (namer.plant, "plant", "", "", "", "", "", "")
-    tracks = namer.clip.track_table
+        return (plant.name, "plant", "", "", "", "", "", "")
+    tracks = plant.clip.track_table
     track = tracks[organ.track]
     parent = "" if track.parent is None else tracks[track.parent].name
-    lost = "" if track.lost is None else namer.date_at(track.lost)
-    born = namer.date_at(track.born)
-    return (namer.plant, "organ", track.id, track.name, track.kind, parent, born, lost)
+    lost = "" if track.lost is None else plant.date_at(track.lost)
+    born = plant.date_at(track.born)
+    return (plant.name, "organ", track.id, track.name, track.kind, parent, born, lost)
 
 
 def _units(clip: Clip) -> dict[str, str]:
@@ -211,11 +216,12 @@ def _units(clip: Clip) -> dict[str, str]:
 
 
 def _number(value: float) -> str:
+    """Format a number with the precision of float32."""
     return f"{value:.{DIGITS}g}"
 
 
 def provenance(clip: Clip) -> tuple[str, str]:
-    """Name and version of this program, and a digest of the clip's provenance."""
+    """The last two columns: name and version of this program, digest of the clip's provenance."""
     document = json.dumps(clip.provenance, sort_keys=True).encode()
     return f"plant-growth-clips {__version__}", f"sha256:{hashlib.sha256(document).hexdigest()}"
 

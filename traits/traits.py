@@ -17,18 +17,19 @@ from traits.surface import Surface, surface_of
 if TYPE_CHECKING:
     from gclip import Clip
 
-HULL_SUBSAMPLES = 4  # random halves of an organ's points, to extrapolate the volume of its hull
-HULL_EXTRAPOLATION = 1.5  # of the deficit of half of the points, which falls as count^-0.7
-MIXING_DEFICIT = 1.0  # added to that for points of which half are from either scan
+HULL_SUBSAMPLES = 4  # number of random halves of an organ's points by which its hull is corrected
+HULL_EXTRAPOLATION = 1.5  # deficit of the hull : that of half of the points, if it is count^-0.7
+MIXING_DEFICIT = 1.0  # added to that ratio if half of the points are from either scan
 HULL_NOISE_LIFT = 0.5  # outward displacement of the hull, in standard deviations of the noise
-# Shares of the hull's volume, below which both corrections must be for a hull to be sure.
+# Thresholds of the traits that are sure, in which mean point distances are the unit of length
+# (docs/traits.md). Both corrections of the hull are relative to its volume.
 MAX_HULL_EXTRAPOLATION, MAX_HULL_NOISE = 0.12, 0.05
-MIN_POINTS_FOR_SURE = 100
-# Least length, in mean point distances, and greatest share of border points of sure lengths.
-MIN_SURE_LENGTH, MAX_BORDER_FOR_LENGTH = 30.0, 0.33
-MAX_BORDER_FOR_HULL, MAX_NOISE_LEFT = 0.25, 0.55
-MAX_AREA_DOUBT = 0.3  # of the share of border points plus the noise in mean point distances
-NEGLIGIBLE_NOISE = 0.05  # in mean point distances
+MIN_POINTS_FOR_SURE = 100  # of an organ
+MIN_SURE_LENGTH, MAX_BORDER_FOR_LENGTH = 30.0, 0.33  # least length; greatest share of border points
+MAX_BORDER_FOR_HULL = 0.25  # share of border points
+MAX_REMAINING_NOISE = 0.55  # share of the noise variance that smoothing leaves
+MAX_AREA_DOUBT = 0.3  # share of border points plus the remaining noise
+NEGLIGIBLE_NOISE = 0.05  # standard deviation
 MIN_SURE_AREA_SHARE = 0.8  # of the plant's area that must be sure for the sum to be sure
 TRAITS = ("height", "length", "area", "hull", "angle")
 
@@ -102,7 +103,7 @@ def _measure_sample(
     only: Collection[int] | None,
     floor: float,
 ) -> list[Measurement]:
-    """Measure the plant and its organs, or only some organs, on one sample."""
+    """Measure the plant and its organs, or `only` some organs, on one sample of their points."""
     up, tracks = up_vector(clip.up), clip.track_table
     wanted = range(len(tracks)) if only is None else only
     needed = {*wanted, *(tracks[track].parent for track in wanted)}
@@ -112,18 +113,19 @@ def _measure_sample(
         if track in needed and (day not in clip.times or tracks[track].born <= day)
     }
     patches = {track: fit_patches(o.points, o.cloud) for track, o in organs.items()}
-    noise = noise_of(patches, known={track: organ.known for track, organ in organs.items()})
+    weights = {track: organ.noise_weight for track, organ in organs.items()}
+    noise = noise_of(patches, weights)
     smooth = {track: smoothed(fits, noise.of(track)) for track, fits in patches.items()}
     measured, no_points = [], np.zeros((0, 3))
     for track in (track for track in organs if track in wanted):
-        organ, deviation, (points, left) = organs[track], noise.of(track), smooth[track]
+        organ, deviation, (points, remaining) = organs[track], noise.of(track), smooth[track]
         parent = tracks[track].parent
         parent_points = no_points if parent not in smooth else smooth[parent].points
         axis = axis_of(points, parent_points, up)
-        surface = surface_of(points, left * deviation**2, organ.mixed)
+        surface = surface_of(points, remaining * deviation**2, organ.mixed)
         hull = _hull(points, organ.mixed, deviation)
         length = None if axis is None else axis.length
-        sure = _sure_traits(surface, len(points), length or 0.0, deviation, left)
+        sure = _sure_traits(surface, len(points), length or 0.0, deviation, remaining)
         sure = sure if hull.sure else sure - {"hull"}
         measured.append(
             Measurement(
@@ -135,14 +137,14 @@ def _measure_sample(
                 area=surface.area or None,
                 hull=hull.volume,
                 angle=None if axis is None else axis.angle(up),
-                sure=sure if organ.seen else frozenset(),
+                sure=sure if organ.in_previous_scan else frozenset(),
             )
         )
     if only is not None or not measured:
         return measured
     points = np.concatenate([organ.points for organ in smooth.values()])
     mixed = max(organ.mixed for organ in organs.values())
-    return [_measure_whole(day, measured, points, mixed, noise.usual), *measured]
+    return [_measure_whole(day, measured, points, mixed, noise.plant), *measured]
 
 
 def _measure_whole(
@@ -167,7 +169,7 @@ def _measure_whole(
 
 
 def _sure_traits(
-    surface: Surface, count: int, length: float, noise: float, left: float
+    surface: Surface, count: int, length: float, noise: float, remaining: float
 ) -> frozenset[str]:
     """The traits of an organ whose error is likely below 5 %.
 
@@ -180,10 +182,10 @@ def _sure_traits(
         sure |= {"angle"}
         if length > MIN_SURE_LENGTH * spacing and surface.border < MAX_BORDER_FOR_LENGTH:
             sure |= {"length"}
-        if left < MAX_NOISE_LEFT or noise < NEGLIGIBLE_NOISE * spacing:
+        if remaining < MAX_REMAINING_NOISE or noise < NEGLIGIBLE_NOISE * spacing:
             if surface.border < MAX_BORDER_FOR_HULL:
                 sure |= {"hull"}
-            if surface.border + noise * np.sqrt(left) / spacing < MAX_AREA_DOUBT:
+            if surface.border + noise * np.sqrt(remaining) / spacing < MAX_AREA_DOUBT:
                 sure |= {"area"}
     return frozenset(sure)
 
@@ -197,9 +199,9 @@ def _weighted_mean(measured: list[list[Measurement]], weights: list[float]) -> l
         values = {}
         for trait in TRAITS:
             pair = getattr(first, trait), getattr(second, trait)
-            known = [(v, w) for v, w in zip(pair, weights, strict=True) if v is not None]
-            total = sum(weight for _, weight in known)
-            values[trait] = sum(v * w for v, w in known) / total if known else None
+            available = [(v, w) for v, w in zip(pair, weights, strict=True) if v is not None]
+            total = sum(weight for _, weight in available)
+            values[trait] = sum(v * w for v, w in available) / total if available else None
         points, sure = max(first.points, second.points), first.sure & second.sure
         means.append(replace(first, points=points, sure=sure, **values))
     return means
@@ -210,9 +212,9 @@ def _floor(clip: Clip) -> float:
     first = clip.at(clip.times[0])
     height = first.local.astype(np.float64) @ up_vector(clip.up)
     root = next((track.id for track in clip.track_table if track.parent is None), 0)
-    of_root = height[first.tracks == root]
+    root_heights = height[first.tracks == root]
     # Extrapolated from two quantiles, since a few outliers may be below the plant.
-    low, higher = np.quantile(of_root if len(of_root) else height, [0.01, 0.02])
+    low, higher = np.quantile(root_heights if len(root_heights) else height, [0.01, 0.02])
     return float(2.0 * low - higher)
 
 
@@ -224,10 +226,10 @@ def up_vector(up: str) -> NDArray[np.float64]:
 
 
 class _Hull(NamedTuple):
-    """Volume, None for coplanar or too few points; and whether its error is likely below 5 %."""
+    """A convex hull."""
 
-    volume: float | None
-    sure: bool
+    volume: float | None  # None for coplanar or too few points
+    sure: bool  # whether the error of the volume is likely below 5 %
 
 
 def _hull(points: NDArray[np.float64], mixed: float = 0.0, noise: float = 0.0) -> _Hull:
@@ -236,8 +238,10 @@ def _hull(points: NDArray[np.float64], mixed: float = 0.0, noise: float = 0.0) -
     The hull of a sample is smaller than that of the surface: by count^-1 at faces, by count^-0.5 at
     borders. The deficit is estimated by Richardson extrapolation from random halves of the points.
     It is larger half-way between two scans, since extreme points of one rarely move to extreme
-    points of the other. Noise moves the hull outwards, since it moved the outermost points
-    outwards. The result is sure if both corrections are small.
+    points of the other. Noise moves the hull outwards, since the outermost points are those that it
+    moved outwards. The result is sure if both corrections are small.
+
+    mixed: as in `Organ`. noise: standard deviation, in the unit of the points.
     """
     from scipy.spatial import ConvexHull, QhullError
 

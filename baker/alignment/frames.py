@@ -1,7 +1,8 @@
 """Decide whether the scans of a series already share a frame.
 
-Scans of one plant usually do, and rotating them because a single leaf moved would do harm. So they
-stay as they are, unless their plant bases differ or most of them would fit much better rotated.
+Scans of one plant usually do, and a rotation that follows the motion of a single leaf would be
+wrong. So scans stay as they are, unless their plant bases differ or most of them would fit much
+better rotated.
 """
 
 from collections.abc import Sequence
@@ -18,15 +19,15 @@ from baker.scans.scan import Finding
 # triples of their scans, with and without labels; of series rotated at random about their stems all
 # do, of triples 4 in 7.
 MIN_GAIN = 0.4
-CLOSE_GAIN = 0.2  # of a single scan that is reported
-LARGE_MOVE = 0.2  # that is reported, as a share of the plant's size
-MAX_LISTED_DOUBTS = 3
+CLOSE_GAIN = 0.2  # gain in fit of a single scan above which it is reported as a doubt
+LARGE_MOVE = 0.2  # share of the plant's size; a scan that is moved farther is reported as a doubt
+MAX_LISTED_DOUBTS = 3  # of the finding
 
 Points = NDArray[np.float64]
 
 
 def share_frame(fit: YawFit, in_place: NDArray[np.bool_]) -> bool:
-    """Whether a series stays as it is: its bases are in one place, and rotations gain little."""
+    """Whether rotating the scans of a series whose bases are `in_place` would gain little fit."""
     gains = fit.gains[in_place[1:] & in_place[:-1]]
     if not len(gains):
         return bool(in_place.any())
@@ -39,42 +40,42 @@ def frame_finding(
     fit: YawFit,
     stays: NDArray[np.bool_],
     unit: str,
-    asked: bool,
+    is_requested: bool,
 ) -> Finding:
     """The finding about the frame of a series, with doubts about single scans.
 
-    moves: (S, 3) by which the base of each scan was moved. stays: (S,) whether the scan stays as it
-    is. unit: of lengths. asked: whether the user asked for the scans to be rotated.
+    moves: (S, 3) displacements of the plant bases. stays: (S,) whether the scan stays as it is.
+    unit: of lengths. is_requested: whether the user asked for the scans to be rotated.
     """
     names = [sample.name for sample in samples]
     size = max(float(np.ptp(sample.points, axis=0).max()) for sample in samples)
-    usual = np.median(moves[stays] if stays.any() else moves, axis=0)
-    distances = np.linalg.norm(moves - usual, axis=1)
+    usual_move = np.median(moves[stays] if stays.any() else moves, axis=0)
+    distances = np.linalg.norm(moves - usual_move, axis=1)
     farthest, longest = names[int(np.argmax(distances))], float(distances.max())
     length, doubts = f"{longest:.3g} {unit}".strip(), []
     if any(sample.offset.any() for sample in samples):
         doubts = [f"{farthest} is in another coordinate system, {length} away"]
     elif longest > LARGE_MOVE * size:
         doubts = [f"{farthest} was moved by {length}, more than a fifth of the plant's size"]
-    later = zip(names[1:], fit.curves, fit.places, fit.gains, strict=True)
+    later = zip(names[1:], fit.curves, fit.yaw_indices, fit.gains, strict=True)
     if stays.any():
-        brought = [name for name, stay in zip(names, stays, strict=True) if not stay]
-        but = f", but for {', '.join(brought)}, brought onto the others"
-        found = f"the scans share a frame{but if brought else ' and stay as they are'}"
+        registered = [name for name, stay in zip(names, stays, strict=True) if not stay]
+        rest = f", but for {', '.join(registered)}, brought onto the others"
+        description = f"the scans share a frame{rest if registered else ' and stay as they are'}"
         doubts += [
-            f"{name} would fit the scan before better turned by {wrapped(YAWS[place]):.0f} degrees"
-            for name, _, place, gain in later
-            if gain > CLOSE_GAIN and name not in brought
+            f"{name} would fit the scan before better turned by {wrapped(YAWS[index]):.0f} degrees"
+            for name, _, index, gain in later
+            if gain > CLOSE_GAIN and name not in registered
         ]
     else:
-        reason = "as asked" if asked else "for they do not share a frame"
-        found = f"each scan was turned and set on the one before, {reason}"
+        reason = "as asked" if is_requested else "for they do not share a frame"
+        description = f"each scan was turned and set on the one before, {reason}"
         doubts += [
-            f"{name} fits the scan before nearly as well turned by a further {other:.0f} degrees"
-            for name, curve, place, _ in later
-            if (other := second_yaw(curve, place)) is not None
+            f"{name} fits the scan before nearly as well turned by a further {angle:.0f} degrees"
+            for name, curve, index, _ in later
+            if (angle := second_yaw(curve, index)) is not None
         ]
     if len(doubts) > MAX_LISTED_DOUBTS:
         doubts[MAX_LISTED_DOUBTS:] = [f"and {len(doubts) - MAX_LISTED_DOUBTS} more"]
     option = "--align turn" if stays.all() else "--align none"
-    return Finding("frame", found, "; ".join(doubts), option if doubts else "")
+    return Finding("frame", description, "; ".join(doubts), option if doubts else "")

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from baker.alignment.sample import EvenSample
 
 INLIER_SHARE = 0.8  # of the pairs; the other points may have moved, or be lost or hidden
-MAX_ITERATIONS, MIN_GAIN = 100, 1e-4
+MAX_ITERATIONS, MIN_GAIN = 100, 1e-4  # relative decrease of the error of a further iteration
 
 Matrix = NDArray[np.float64]
 
@@ -29,9 +29,9 @@ def nearest_pairs(
     """Pair the points of an earlier scan with the nearest ones of the later, grown scan.
 
     The fifth of the pairs with the largest distances is left out. Returns the root mean square
-    distance of the others, and their later and earlier points.
+    distance of the remaining pairs, and their (n, 3) points in the later and the earlier scan.
 
-    transform: (4, 4) from the later scan's coordinates to the earlier's.
+    transform: (4, 4) from the later scan's coordinates to those of the earlier one.
     """
     from scipy.spatial import KDTree
 

@@ -37,12 +37,13 @@ class AlignedSeries:
 
     @property
     def clouds(self) -> list[NDArray[np.float32]]:
+        """(N, 3) positions of each scan."""
         return [frame.positions for frame in self.keyframes]
 
     @property
     def spacing(self) -> float:
         """Median point spacing of all scans."""
-        return float(np.median([near.spacing for near in self.neighbors]))
+        return float(np.median([neighbors.spacing for neighbors in self.neighbors]))
 
     @property
     def floor(self) -> float:
@@ -73,22 +74,24 @@ def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
 def hold_out(
     series: Series, keyframes: Sequence[Keyframe], every: int | None
 ) -> tuple[Series, list[Keyframe], tuple[ScanMark, ...]]:
-    """Split an aligned series into the scans to bake and those left out for verification.
+    """Split an aligned series into the scans to bake and those left out (section 4, Figure 13).
 
     Parameters
     ----------
     series, keyframes : Series, sequence of Keyframe
     every : int, optional
-        Leave out every so many scans; by default none.
+        Leave out the scans numbered `every`, 2 `every`, ... from 1; by default none.
+
+    Returns
+    -------
+    series, keyframes : Series, list of Keyframe
+        The scans to bake.
+    held_out : tuple of ScanMark
 
     Raises
     ------
     InputError
         If no scan would be left out.
-
-    References
-    ----------
-    Section 4 of the paper, Figure 13.
     """
     left_out = held_out_scans(len(series.scans), every)
     if every is not None and not left_out:
@@ -96,11 +99,11 @@ def hold_out(
             f"--holdout {every} leaves none of the {len(series.scans)} scans out; "
             f"at least {every + 1} are needed, for the first and the last always stay."
         )
-    kept = [k for k in range(len(series.scans)) if k not in left_out]
+    baked = [k for k in range(len(series.scans)) if k not in left_out]
     excluded = [(series.scans[k], keyframes[k].positions) for k in left_out]
     held_out = tuple(ScanMark(s.name, s.time, s.date, len(p), p) for s, p in excluded)
-    series = replace(series, scans=tuple(series.scans[k] for k in kept))
-    return series, [keyframes[k] for k in kept], held_out
+    series = replace(series, scans=tuple(series.scans[k] for k in baked))
+    return series, [keyframes[k] for k in baked], held_out
 
 
 def held_out_scans(count: int, every: int | None) -> tuple[int, ...]:

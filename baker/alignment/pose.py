@@ -11,7 +11,7 @@ from baker.geometry.graph import branches
 from baker.geometry.up_axis import Vertical
 
 MIN_PERSISTENCE = 0.1  # of branches that count as organs, in longest geodesic distances
-MIN_POINTS_OF_ORGAN = 4
+MIN_POINTS_OF_ORGAN = 4  # of the even sample; smaller organs have no reliable direction
 
 
 class Pose(NamedTuple):
@@ -30,16 +30,16 @@ class Pose(NamedTuple):
 def pose_at(
     sample: EvenSample, base: NDArray[np.float64], stem: int | None, vertical: Vertical
 ) -> Pose:
-    """The pose of a scan with a (3,) plant base. stem: the stem's label, None without labels."""
+    """The pose of a scan with a (3,) plant base, and the label of its stem, None without labels."""
     rotation = upright(vertical)
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = rotation, -rotation @ base
     points = (sample.points - base) @ rotation.T
     organ, axis = (_find_organs(points), -1) if stem is None else (sample.labels, stem)
-    names, counts = np.unique(organ[organ != axis], return_counts=True)
-    names = names[counts >= MIN_POINTS_OF_ORGAN]
-    centers = np.array([points[organ == name].mean(axis=0) for name in names]).reshape(-1, 3)
-    return Pose(frame, float(np.ptp(points[:, 2])), centers, names)
+    labels, counts = np.unique(organ[organ != axis], return_counts=True)
+    labels = labels[counts >= MIN_POINTS_OF_ORGAN]
+    centers = np.array([points[organ == name].mean(axis=0) for name in labels]).reshape(-1, 3)
+    return Pose(frame, float(np.ptp(points[:, 2])), centers, labels)
 
 
 def transform_onto(earlier: Pose, later: Pose, yaw: float) -> NDArray[np.float64]:

@@ -14,7 +14,7 @@ from baker.alignment.sample import EvenSample, even_sample
 from baker.alignment.stem_base import common_base, stem_labels
 from baker.alignment.unlike_scans import unlike_scans
 from baker.alignment.up_axis_search import find_up
-from baker.alignment.yaw import YAWS, YawFit, exact_yaw, fit_yaws
+from baker.alignment.yaw import YAWS, YawFit, fit_yaws, refined_yaw
 from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.up_axis import Vertical
 from baker.scans.scan import Finding, Scan, Series
@@ -51,7 +51,7 @@ def align(
     progress: Callable[[str, int, int], None] | None = None,
     map: MapLike = map,
 ) -> Alignment:
-    """Align the scans of a series to the frame of the first one.
+    """Align the scans of a series to the frame of the first one (section 3.1 of the paper).
 
     Parameters
     ----------
@@ -66,17 +66,17 @@ def align(
     root : (3,) float, optional
         The plant base of the first scan.
     progress : callable, optional
-        Called with the name of the stage, the steps done and their total.
+        Called with the name of the stage, the number of steps done and their total.
     map : map-like callable
         Maps over the scans.
 
-    References
-    ----------
-    Section 3.1 of the paper.
+    Returns
+    -------
+    Alignment
     """
     progress = progress or (lambda stage, done, total: None)
     scans = series.scans
-    total = len(scans) + 1  # samples, and all else
+    total = len(scans) + 1  # a step for the sample of each scan, and one for the alignment
     map = reporting(map, lambda done, _: progress("aligning", done, total), len(scans))
     labelled = all(scan.labels is not None for scan in scans)
 
@@ -103,39 +103,41 @@ def align(
         doubt = doubt if remote else ""
         findings.append(Finding("frame", "left as it is, as asked", doubt, "--align auto"))
     elif len(scans) > 1:
-        poses = [pose_at(*each, vertical) for each in zip(samples, bases, stems, strict=True)]
+        poses = [pose_at(*scan, vertical) for scan in zip(samples, bases, stems, strict=True)]
         fit = fit_yaws(poses, labelled)
         stays = in_place & (method == "auto" and share_frame(fit, in_place))
         transforms = _register_scans(poses, fit, transforms, stays)
-        moves = _placed(bases, transforms) - bases - offsets
+        moves = _bases_in_frame(bases, transforms) - bases - offsets
         findings.append(
-            frame_finding(samples, moves, fit, stays, series.length, asked=method == "turn")
+            frame_finding(samples, moves, fit, stays, series.length, is_requested=method == "turn")
         )
     findings += unlike_scans(samples, transforms)
     progress("aligning", total, total)
-    return Alignment(direction, (*transforms,), (*_placed(bases, transforms),), (*findings,))
+    return Alignment(
+        direction, (*transforms,), (*_bases_in_frame(bases, transforms),), (*findings,)
+    )
 
 
-def _placed(bases: Array, transforms: Array) -> Array:
+def _bases_in_frame(bases: Array, transforms: Array) -> Array:
     """(S, 3) the base of each scan in the common frame."""
     return np.einsum("sij,sj->si", transforms[:, :3, :3], bases) + transforms[:, :3, 3]
 
 
 def _register_scans(
-    poses: Sequence[Pose], fit: YawFit, given: Array, stays: NDArray[np.bool_]
+    poses: Sequence[Pose], fit: YawFit, unmoved: Array, stays: NDArray[np.bool_]
 ) -> Array:
-    """(S, 4, 4) transforms to the frame of the first scan, those given where scans stay.
+    """(S, 4, 4) transforms to the frame of the first scan; `unmoved` for scans that stay.
 
-    Other scans are registered with the nearest scan that stays or, if none does, with the previous.
+    The others are registered with the nearest scan that stays or, if none does, the previous scan.
     """
-    transforms, staying = given.copy(), np.flatnonzero(stays).tolist()
-    directions = np.append(0, np.cumsum(fit.places))  # of the scans, as indices in YAWS
+    transforms, staying = unmoved.copy(), np.flatnonzero(stays).tolist()
+    directions = np.append(0, np.cumsum(fit.yaw_indices))  # of the scans, as indices in YAWS
     for k in range(0 if staying else 1, len(poses)):
         if not stays[k]:
-            to = min(staying, key=lambda other: abs(other - k)) if staying else k - 1
-            yaw = float(YAWS[(directions[k] - directions[to]) % len(YAWS)])
-            yaw = exact_yaw(poses[to], poses[k], yaw, fit.by_label)
-            transforms[k] = transforms[to] @ transform_onto(poses[to], poses[k], yaw)
+            reference = min(staying, key=lambda scan: abs(scan - k)) if staying else k - 1
+            yaw = float(YAWS[(directions[k] - directions[reference]) % len(YAWS)])
+            yaw = refined_yaw(poses[reference], poses[k], yaw, fit.by_label)
+            transforms[k] = transforms[reference] @ transform_onto(poses[reference], poses[k], yaw)
     transforms[1:] = np.linalg.inv(transforms[0]) @ transforms[1:]
     transforms[0] = np.eye(4)
     return transforms

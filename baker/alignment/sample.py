@@ -7,14 +7,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import connected_knn_graph
-from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, nearest_neighbors
+from baker.geometry.neighbors import NEIGHBORS_FOR_RADIUS, nearest_neighbors
 from baker.geometry.sampling import farthest_point_sample
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-POOL_SIZE, SAMPLE_SIZE, SEED = 6_000, 1_500, 0
-NEIGHBORS_ON_SURFACE = 8  # of a point of an even sample
+POOL_SIZE = 6_000  # most points of a scan from which the sample is drawn
+SAMPLE_SIZE, SEED = 1_500, 0  # most points of the sample; seed of the random pool
+NEIGHBORS_ON_SURFACE = 8  # of a point of an even sample in its kNN graph
 
 
 @dataclass(frozen=True)
@@ -38,10 +39,10 @@ def even_sample(
     """Sample at most 1,500 points of an (N, 3) cloud with (N,) labels by farthest points."""
     labels = np.full(len(cloud), -1) if labels is None else labels
     if len(cloud) > POOL_SIZE:
-        kept = np.random.default_rng(SEED).choice(len(cloud), POOL_SIZE, replace=False)
-        cloud, labels = cloud[kept], labels[kept]
+        drawn = np.random.default_rng(SEED).choice(len(cloud), POOL_SIZE, replace=False)
+        cloud, labels = cloud[drawn], labels[drawn]
     pool = np.asarray(cloud, np.float64)
-    is_inlier = nearest_neighbors(pool, NEIGHBORS_FOR_REACH).inliers
+    is_inlier = nearest_neighbors(pool, NEIGHBORS_FOR_RADIUS).inliers
     pool, labels = pool[is_inlier], labels[is_inlier]
     chosen = farthest_point_sample(pool, SAMPLE_SIZE)
     return EvenSample(pool, pool[chosen], labels, labels[chosen], name, np.asarray(offset, float))

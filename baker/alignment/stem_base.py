@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from baker.alignment.sample import EvenSample, surface_graph
 from baker.geometry.graph import MIN_LENGTH, segment_gaps
-from baker.geometry.neighbors import NEIGHBORS_FOR_REACH, Neighbors, nearest_neighbors
+from baker.geometry.neighbors import NEIGHBORS_FOR_RADIUS, Neighbors, nearest_neighbors
 from baker.geometry.up_axis import Vertical
 
-CLOSE_SCORE = 0.4  # by which the usual label of the stem may score less than another in a scan
+CLOSE_SCORE = 0.4  # margin by which the usual label may score less than the best one of a scan
 LOW_SHARE = 0.1  # of the height: the slab in which the base is searched for
 MIN_PART_SHARE = 0.1  # of the largest component of that slab; smaller ones are noise
 BASE_SHARE = 0.04  # of the height: the part of the stem whose centroid is the base
@@ -27,25 +27,25 @@ def stem_labels(samples: Sequence[EvenSample], vertical: Vertical) -> list[int]:
     label of the stem in two thirds of the scans is used in the others, too, if it scores well.
     """
     scores = [_stem_scores(sample, vertical) for sample in samples]
-    best_labels = [max(of_scan, key=of_scan.__getitem__) for of_scan in scores]
-    usual, count = Counter(best_labels).most_common(1)[0]
+    best_labels = [max(scan_scores, key=scan_scores.__getitem__) for scan_scores in scores]
+    usual_label, count = Counter(best_labels).most_common(1)[0]
     margin = CLOSE_SCORE if 3 * count >= 2 * len(scores) else 0.0
     return [
-        usual if of_scan.get(usual, -np.inf) >= of_scan[best] - margin else best
-        for of_scan, best in zip(scores, best_labels, strict=True)
+        usual_label if scan_scores.get(usual_label, -np.inf) >= scan_scores[best] - margin else best
+        for scan_scores, best in zip(scores, best_labels, strict=True)
     ]
 
 
 def _stem_scores(sample: EvenSample, vertical: Vertical) -> dict[int, float]:
-    """Label -> score as the stem, by the number of adjacent organs and the height."""
+    """Score of each label as that of the stem, by the number of adjacent organs and the height."""
     labels, heights = sample.pool_labels, vertical.height(sample.pool)
     adjacent = Counter(label for label, _ in segment_gaps(sample.pool, labels))
-    most = max(adjacent.values(), default=1)
+    most_adjacent = max(adjacent.values(), default=1)
     heights = (heights - heights.min()) / max(np.ptp(heights), np.finfo(float).tiny)
     scores = {}
     for label in np.unique(labels).tolist():
-        of_organ = heights[labels == label]
-        scores[label] = adjacent[label] / most - float(of_organ.min() + np.median(of_organ))
+        values = heights[labels == label]
+        scores[label] = adjacent[label] / most_adjacent - float(values.min() + np.median(values))
     return scores
 
 
@@ -55,12 +55,11 @@ def common_base(
     """Find the plant bases, where possible in the one position on which most scans agree.
 
     A scan agrees with a position if its lowest points near the vertical through the position are
-    there; a leaf that hangs lower does so elsewhere. Only the points of a labelled stem count.
+    there; a leaf that hangs lower is elsewhere. Of a scan with labels, only the stem is considered.
 
-    Returns the (S, 3) bases in the coordinates of each scan, and whether they are in that position,
-    False for all if there is none on which two thirds of the scans agree.
-
-    stems: the label of the stem in each scan, None without labels.
+    stems: the label of the stem in each scan, None without labels. Returns the (S, 3) bases in the
+    coordinates of each scan, and whether they are in that position, False for all if there is none
+    on which two thirds of the scans agree.
     """
     clouds = [
         sample.points if stem is None else sample.pool[sample.pool_labels == stem]
@@ -68,28 +67,28 @@ def common_base(
     ]
     bases = np.array([_likely_base(cloud, vertical) for cloud in clouds])
     radius = MAX_BASE_OFFSET * max(float(np.ptp(s.points, axis=0).max()) for s in samples)
-    agreeing = np.full_like(bases, np.nan)
+    common = np.full_like(bases, np.nan)
     for base, sample in zip(bases, samples, strict=True):
-        found = np.array(
+        candidates = np.array(
             [
-                _base_near(base + sample.offset - other.offset, cloud, radius, vertical)
-                for other, cloud in zip(samples, clouds, strict=True)
+                _base_near(base + sample.offset - target.offset, cloud, radius, vertical)
+                for target, cloud in zip(samples, clouds, strict=True)
             ]
         )
-        if np.isnan(found).sum() < np.isnan(agreeing).sum():
-            agreeing = found
-    in_place = ~np.isnan(agreeing[:, 0])
+        if np.isnan(candidates).sum() < np.isnan(common).sum():
+            common = candidates
+    in_place = ~np.isnan(common[:, 0])
     if 3 * in_place.sum() < 2 * len(samples):
         in_place[:] = False
-    return np.where(in_place[:, None], agreeing, bases), in_place
+    return np.where(in_place[:, None], common, bases), in_place
 
 
 def _base_near(position: Points, points: Points, radius: float, vertical: Vertical) -> Points:
-    """The lowest points near the vertical through a position; NaN if they are not near it, too."""
-    near = points[np.linalg.norm(vertical.at_height(points - position, 0.0), axis=1) <= radius]
-    if not len(near) or abs(vertical.height(near - position).min()) > radius:
+    """(3,) base at the lowest points near the vertical through a position; NaN if far from it."""
+    nearby = points[np.linalg.norm(vertical.at_height(points - position, 0.0), axis=1) <= radius]
+    if not len(nearby) or abs(vertical.height(nearby - position).min()) > radius:
         return np.full(3, np.nan)
-    return _lowest(near, vertical, np.ptp(vertical.height(points)))
+    return _lowest(nearby, vertical, np.ptp(vertical.height(points)))
 
 
 def _likely_base(points: Points, vertical: Vertical) -> Points:
@@ -97,8 +96,8 @@ def _likely_base(points: Points, vertical: Vertical) -> Points:
 
     The tip of a hanging leaf may be as low as the plant base. But the paths from the tip to other
     points first lead up the leaf and then down again, and are longer. So the base is the low
-    component with the least sum of the longest path from it and of the mean descent on all paths:
-    the right one in each of 8 scans of 166 real ones with several.
+    component with the least sum of the longest path from it and of the mean descent on all paths.
+    It is right in all 8 of 166 real scans that have several low components.
     """
     from scipy.sparse.csgraph import connected_components, dijkstra
 
@@ -138,8 +137,13 @@ def base_point(
     neighbors : Neighbors, optional
         Of the points; those that are outliers are ignored.
     near : (3,) float, optional
-        The plant base, to which the nearest point is taken; by default, the lowest point is.
+        The plant base; by default the height of the lowest point decides.
+
+    Returns
+    -------
+    int
+        The inlier nearest to the plant base, or else the lowest one.
     """
-    neighbors = neighbors or nearest_neighbors(points, NEIGHBORS_FOR_REACH)
+    neighbors = neighbors or nearest_neighbors(points, NEIGHBORS_FOR_RADIUS)
     distance = vertical.height(points) if near is None else ((points - near) ** 2).sum(axis=1)
     return int(np.argmin(np.where(neighbors.inliers, distance, np.inf)))

@@ -9,13 +9,13 @@ from baker.alignment.sample import EvenSample, surface_graph
 from baker.geometry.up_axis import Vertical
 from baker.scans.scan import Finding
 
-# Directions, and by how much their cost must be less than that of z, which is usual (some programs
-# write y). Of 157 real pairs of scans with z up, one has a lead of more than 0.2 along y, and none
-# of 0.5 along another direction.
+# By how much the cost of each direction must be less than that of z, which is usual; some programs
+# write y. Of 157 real pairs of scans with z up, the cost of one is less by more than 0.2 along y,
+# and that of none by 0.5 along another direction.
 NEEDED_LEADS = {"z": 0.0, "y": 0.2, "x": 0.5, "-z": 0.5, "-y": 0.5, "-x": 0.5}
-CLOSE = 0.1  # difference of costs below which another direction is named as a doubt
+CLOSE_COST = 0.1  # difference of costs below which another direction is named as a doubt
 STEM_SHARE = 0.15  # of the longest geodesic distance from the lowest point: the bare stem
-SAMPLE_SIZE = 800
+SAMPLE_SIZE = 800  # points of a scan from which its costs are computed
 
 
 def find_up(
@@ -23,8 +23,8 @@ def find_up(
 ) -> tuple[str, list[Finding]]:
     """Find the direction of growth of a series, "x", "y", "z", "-x", "-y" or "-z".
 
-    It is the one that the user requested, unless that is "auto"; else that away from the ground, if
-    one was found; else z, unless the mean cost of the scans is much less along another direction.
+    It is the `requested` one, unless that is "auto"; else the direction away from the ground, if
+    there is one; else z, unless the mean cost of the scans is much less along another direction.
     """
     if requested != "auto":
         return requested, [Finding("up", f"{requested}, as asked")]
@@ -34,13 +34,13 @@ def find_up(
     costs = np.mean([_costs(sample) for sample in samples], axis=0)
     best = int(np.argmin(costs + list(NEEDED_LEADS.values())))
     reason = "along it the plants stand on stems" if best else "as scans usually have it"
-    other = min(set(range(len(costs))) - {best}, key=costs.__getitem__)
+    second_best = min(set(range(len(costs))) - {best}, key=costs.__getitem__)
     doubt = ""
-    if costs[other] - costs[best] < CLOSE:
-        likely = "rather" if costs[other] < costs[best] else "as well"
-        doubt = f"by their shape they might {likely} grow along {directions[other]}"
-    found, option = f"{directions[best]}, {reason}", f"--up {directions[other]}"
-    return directions[best], [Finding("up", found, doubt, option if doubt else "")]
+    if costs[second_best] - costs[best] < CLOSE_COST:
+        likely = "rather" if costs[second_best] < costs[best] else "as well"
+        doubt = f"by their shape they might {likely} grow along {directions[second_best]}"
+    description, option = f"{directions[best]}, {reason}", f"--up {directions[second_best]}"
+    return directions[best], [Finding("up", description, doubt, option if doubt else "")]
 
 
 def upright(vertical: Vertical) -> NDArray[np.float64]:

@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 
 from baker.alignment.pose import Pose
 
-YAWS = np.arange(0, 360, 5)
-WIDTH, FINE_WIDTH = 20.0, 5.0  # degrees, standard deviations of the turns of organs
+YAWS = np.arange(0, 360, 5)  # degrees, at which scans are compared first
+WIDTH, FINE_WIDTH = 20.0, 5.0  # degrees, standard deviations of the Gaussian of organs' turns
 MIN_SHARE_BY_LABEL = 0.7  # fit of organs paired by label : fit of organs paired freely
-# The fit at a yaw has to exceed the fit at any other yaw so many degrees away by MIN_LEAD. It does
-# not at 64 % of wrong yaws and 24 % of right ones (20 real series without labels).
+# A yaw is doubtful unless its fit exceeds that at all yaws at least MIN_OTHER_TURN degrees away by
+# MIN_LEAD: 64 % of wrong yaws are, and 24 % of right ones (20 real series without labels).
 MIN_OTHER_TURN, MIN_LEAD = 30.0, 0.2
 # Degrees from a yaw of `YAWS` to refined ones, the smallest first.
 FINE_STEPS = np.array(sorted(np.arange(-10.0, 10.5, 0.5), key=abs))
@@ -32,7 +32,7 @@ class YawFit(NamedTuple):
     curves: list[Curve]  # from each scan to the previous one
 
     @property
-    def places(self) -> list[int]:
+    def yaw_indices(self) -> list[int]:
         """The indices in `YAWS` of the yaws that fit best."""
         return [int(curve.argmax()) for curve in self.curves]
 
@@ -43,10 +43,10 @@ class YawFit(NamedTuple):
 
 
 def fit_yaws(poses: Sequence[Pose], labelled: bool) -> YawFit:
-    """Find the yaws of a series. labelled: whether its organs have labels.
+    """Compute the fit of each scan of a series to the previous one at all yaws.
 
-    Organs are paired by label if that fits nearly as well, at some yaw, as pairing them freely. It
-    fits half as well if the labels are random.
+    Organs are paired by label if all scans are `labelled` and if that fits nearly as well, at some
+    yaw, as pairing them freely. It fits half as well if the labels are random.
     """
     fits = [
         YawFit(by_label, [direction_curve(*pair, by_label) for pair in pairwise(poses)])
@@ -67,19 +67,19 @@ def direction_curve(earlier: Pose, later: Pose, by_label: bool) -> Curve:
     return fits / levers.sum() if levers.any() else np.ones(len(YAWS))
 
 
-def exact_yaw(earlier: Pose, later: Pose, yaw: float, by_label: bool) -> float:
+def refined_yaw(earlier: Pose, later: Pose, yaw: float, by_label: bool) -> float:
     """Refine a yaw to the nearby one, in steps of half a degree, at which organs fit best."""
-    near = wrapped(yaw + FINE_STEPS)
-    fits = [_fit(earlier, later, each, by_label, FINE_WIDTH) for each in near]
-    return float(near[np.argmax(fits)])
+    yaws = wrapped(yaw + FINE_STEPS)
+    fits = [_fit(earlier, later, fine_yaw, by_label, FINE_WIDTH) for fine_yaw in yaws]
+    return float(yaws[np.argmax(fits)])
 
 
-def second_yaw(curve: Curve, place: int) -> float | None:
+def second_yaw(curve: Curve, index: int) -> float | None:
     """A further rotation in degrees at which a scan fits nearly as well as at its yaw, or None."""
-    further = wrapped(YAWS - YAWS[place])
+    further = wrapped(YAWS - YAWS[index])
     elsewhere = np.where(np.abs(further) > MIN_OTHER_TURN, curve, -np.inf)
     best = int(np.argmax(elsewhere))
-    return float(further[best]) if curve[place] - elsewhere[best] < MIN_LEAD else None
+    return float(further[best]) if curve[index] - elsewhere[best] < MIN_LEAD else None
 
 
 def wrapped(degrees: NDArray[Any]) -> NDArray[np.float64]:
@@ -90,8 +90,8 @@ def wrapped(degrees: NDArray[Any]) -> NDArray[np.float64]:
 def _fit(earlier: Pose, later: Pose, yaw: float, by_label: bool, width: float = WIDTH) -> float:
     """The fit at a yaw: the sum over pairs of organs of their lever times a Gaussian of their turn.
 
-    So organs that turned, are new or lost don't count. The fit of organs that are paired freely is
-    also reduced by their difference in height.
+    So organs that have turned about the stem, are new or lost contribute nothing. The fit of organs
+    that are paired freely is also multiplied by a Gaussian of their difference in height.
     """
     from scipy.optimize import linear_sum_assignment
 

@@ -15,12 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from baker.errors import InputError
 from baker.options import Options, parse_corrections
-from baker.pipeline import Progress, bake_recorded
+from baker.pipeline import Progress, bake_with_survey
 from corrections import Correction
 from gclip import Clip
 
 Attributes = dict[str, Sequence[ArrayLike | None]]
-"""Name of an array in an NPZ file, such as "labels" -> that of each scan."""
+"""Arrays of each scan by their name in an NPZ file, such as "labels"."""
 
 
 def bake(
@@ -42,7 +42,7 @@ def bake(
         A folder of scans, or the scans themselves: files, (N, 3) float arrays, or both.
     options : Options, optional
     progress : callable, optional
-        Called with the name of a stage, the steps done and their total.
+        Called with the name of a stage, the number of steps done and their total.
     times : sequence of float, str or datetime.date, optional
         The day or date of each scan; by default from the files' names, or their order.
     labels : sequence of (N,) int array or None, or str, optional
@@ -78,15 +78,15 @@ def bake(
     elif corrections is not None:
         choices["corrections"] = tuple(corrections)
     if all(array is not None for array in attributes.get("labels", [None])):
-        choices = {"label_field": "label"} | choices  # labels that are given are never doubted
+        choices = {"label_field": "label"} | choices  # a field that the user names is not doubted
     options = replace(options or Options(), **choices)
     with _scan_files(scans, attributes) as paths:
-        return bake_recorded(paths, options, progress, times=times)[0]
+        return bake_with_survey(paths, options, progress, times=times)[0]
 
 
 @contextmanager
 def _scan_files(scans: Any, attributes: Attributes) -> Iterator[list[Path]]:
-    """The files of the scans; those in memory are written to temporary files, with attributes."""
+    """Yield the files of the scans; scans in memory are written to temporary files."""
     is_one = isinstance(scans, str | PathLike) or not isinstance(scans, Iterable)
     scans = [scans] if is_one else list(scans)
     for name, values in attributes.items():
@@ -95,8 +95,8 @@ def _scan_files(scans: Any, attributes: Attributes) -> Iterator[list[Path]]:
     with TemporaryDirectory() as folder:
         paths = []
         for index, scan in enumerate(scans):
-            given = {n: np.asarray(v[index]) for n, v in attributes.items() if v[index] is not None}
-            paths.append(_scan_file(scan, given, Path(folder, f"scans[{index}]")))
+            own = {n: np.asarray(v[index]) for n, v in attributes.items() if v[index] is not None}
+            paths.append(_scan_file(scan, own, Path(folder, f"scans[{index}]")))
         try:
             yield paths
         except InputError as error:
@@ -105,20 +105,20 @@ def _scan_files(scans: Any, attributes: Attributes) -> Iterator[list[Path]]:
 
 
 def _scan_file(scan: Any, attributes: dict[str, NDArray], path: Path) -> Path:
-    """The file of a scan; one in memory is written to `path` with a suffix."""
+    """The path of a scan's file; a scan in memory is first written to `path` with a suffix."""
     if isinstance(scan, str | PathLike):
         if attributes:
-            found = f"'{fspath(scan)}' is a file"
-            raise InputError(f"{min(attributes)} are for scans in memory; {found}.")
+            description = f"'{fspath(scan)}' is a file"
+            raise InputError(f"{min(attributes)} are for scans in memory; {description}.")
         return Path(scan)
     if hasattr(scan, "point") or hasattr(scan, "points"):
         arrays = _cloud_arrays(scan)
     else:
         table = np.asarray(scan)
         if table.ndim != 2 or table.shape[1] < 3 or table.dtype.kind not in "biuf":
-            found = f"an array of shape {table.shape} and type {table.dtype}"
+            description = f"an array of shape {table.shape} and type {table.dtype}"
             raise InputError(
-                f"{path.name} is {found}; points, (N, 3) numbers, or a path are needed."
+                f"{path.name} is {description}; points, (N, 3) numbers, or a path are needed."
             )
         if not attributes:  # the reader of NPY files names the columns
             np.save(f"{path}.npy", table)
@@ -130,7 +130,7 @@ def _scan_file(scan: Any, attributes: dict[str, NDArray], path: Path) -> Path:
 
 def _cloud_arrays(cloud: Any) -> dict[str, NDArray]:
     """The arrays of an Open3D point cloud, under the names that the reader of NPZ files knows."""
-    if not hasattr(cloud, "point"):  # a legacy one
+    if not hasattr(cloud, "point"):  # of the legacy API
         import open3d
 
         cloud = open3d.t.geometry.PointCloud.from_legacy(cloud, open3d.core.float64)

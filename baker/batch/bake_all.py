@@ -21,11 +21,11 @@ from traits.plants import TraitsTable
 
 
 def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> int:
-    """Bake many plants, folders of scans by name; if one fails, go on with the others.
+    """Bake many plants; if one fails, continue with the others.
 
-    outputs: the clip and the report are folders. Returns the exit code: 1 if the program was at
-    fault for any plant, else 2 if any input was, else 0. Raises InputError if no plant can be baked
-    with these options and outputs.
+    plants: folders of scans by name. outputs: the clip and the report are folders. Returns the exit
+    code: 1 if the program was at fault for any plant, else 2 if any input was, else 0. Raises
+    InputError if no plant can be baked with these options and outputs.
     """
     if options.corrections:
         raise InputError(
@@ -35,7 +35,7 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
         _make_folder(folder)
     table = TraitsTable(outputs.traits) if outputs.traits else None
     workers = worker_count(options.workers)
-    processes = max(1, min(workers, len(plants)))  # fewer plants than cores use several cores each
+    processes = max(1, min(workers, len(plants)))  # if plants are fewer, each uses several cores
     options = replace(options, workers=1 if outputs.cluster else workers // processes)
     jobs = [_job(name, folder, options, outputs, table) for name, folder in plants.items()]
     outcomes: dict[str, Outcome] = {}
@@ -68,7 +68,7 @@ def bake_all(plants: Mapping[str, Path], options: Options, outputs: Outputs) -> 
 def bake_plants(
     submit: Submit, jobs: Sequence[PlantJob], bake: Callable[[PlantJob], Outcome] = bake_plant
 ) -> Iterator[Outcome]:
-    """Bake plants as tasks of workers; yields their outcomes as soon as they are ready."""
+    """Bake plants as tasks of workers, and yield their outcomes as soon as they are ready."""
     futures = {submit(bake, job): job for job in jobs}
     for future in as_completed(futures):
         job = futures.pop(future)  # frees the result as well
@@ -79,7 +79,7 @@ def bake_plants(
                 "The cluster's scheduler is gone; the plants that are done stay done, and the same "
                 "command does the others."
             ) from None
-        except Exception as error:  # not of `bake_plant`, which returns its own
+        except Exception as error:  # of the worker, since `bake_plant` returns its exceptions
             reason = str(error).partition(". ")[0]
             sentence = (
                 f"its worker ended without a result ({reason}); most likely the scans need more "
@@ -102,16 +102,17 @@ def _job(
     )
     options = replace(options, times=options.times and options.times.absolute())
     return PlantJob(
-        name, folder.absolute(), options, plant_outputs, table.known(name) if table else None
+        name, folder.absolute(), options, plant_outputs, table.source_of(name) if table else None
     )
 
 
 def _make_folder(folder: Path) -> None:
+    """Make a folder for outputs; raises UserError if it can't be made or written to."""
     if folder.is_file() or folder.suffix.lower() in (".html", ".htm", ".gclip"):
         raise InputError(f"{folder} is a file's name; the outputs of many plants need a folder.")
     with writing(folder):
         folder.mkdir(parents=True, exist_ok=True)
-        TemporaryFile(dir=folder).close()  # whether files can be written there
+        TemporaryFile(dir=folder).close()  # raises OSError if no file can be written there
 
 
 def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> list[str]:
@@ -124,9 +125,9 @@ def _summary(outcomes: Sequence[Outcome], outputs: Outputs, seconds: float) -> l
         result = f"{plant.state}: {plant.looks}" if plant.looks else plant.state
         lines.append(row(plant.name, *counts, f"{plant.seconds:.1f}", result))
     states = Counter(plant.state for plant in outcomes)
-    found = ", ".join(f"{states[s]:,} {s}" for s in ("baked", "unchanged", "failed") if states[s])
+    counted = ", ".join(f"{states[s]:,} {s}" for s in ("baked", "unchanged", "failed") if states[s])
     plants = f"{len(outcomes):,} plant{'s' * (len(outcomes) != 1)}"
     points = sum(plant.sizes[-1] for plant in outcomes)
-    lines.append(f"{plants}: {found}; {points:,} points in {seconds:.1f} s")
+    lines.append(f"{plants}: {counted}; {points:,} points in {seconds:.1f} s")
     paths = (("clips", outputs.clip), ("reports", outputs.report), ("traits", outputs.traits))
     return lines + [f"{kind}: {path}" for kind, path in paths if path is not None]

@@ -27,41 +27,42 @@ from gclip.terminal.atomic import atomic_file, writing
 class Cache:
     """A cache of intervals in `folder`, which may be deleted at any time.
 
-    Entries that are missing, damaged or of another job are solved and written again. A bake goes on
-    where an interval can't be written. Raises UserError where the folder can't be made.
+    Intervals whose entries are missing or damaged are solved and written again. A bake continues if
+    an interval can't be written. Raises UserError if the folder can't be made.
     """
 
     def __init__(self, folder: str | Path) -> None:
         self.folder = Path(folder)
-        self.found = self.solved = 0  #: intervals that were read from the folder, and that were not
-        self.trouble = ""  #: why an interval could not be written, "" if all could
+        self.read = self.solved = 0  #: numbers of intervals of the latest bake
+        self.write_error = ""  #: why an interval could not be written, "" if all could
         with writing(self.folder):
             self.folder.mkdir(parents=True, exist_ok=True)
 
     def solve_intervals(
         self, jobs: Sequence[IntervalJob], report_progress: ReportProgress, workers: int = 1
     ) -> Iterator[Interval]:
-        """Solve the intervals that are not in the cache, and write them to it; yields all.
+        """Yield all intervals, solving those that are not in the cache and writing them to it.
 
-        As `baker.interpolation.interval_job.solve_intervals`.
+        It replaces `baker.interpolation.interval_job.solve_intervals`.
         """
         keys = [self._key(job) for job in jobs]
         tracks = 1 + max((task.organ for job in jobs for task in job.tasks), default=0)
         cached = [self._read(key, job, tracks) for key, job in zip(keys, jobs, strict=True)]
         missing = [job for job, interval in zip(jobs, cached, strict=True) if interval is None]
-        self.found, self.solved = len(jobs) - len(missing), len(missing)
+        self.read, self.solved = len(jobs) - len(missing), len(missing)
         solved = solve_intervals(missing, report_progress, workers)
         for key, interval in zip(keys, cached, strict=True):
             yield self._write(key, next(solved)) if interval is None else interval
 
     def summary(self) -> str:
-        """How many intervals were found, and why others could not be written."""
-        found = f"{self.found} of {self.found + self.solved} intervals"
-        return f"{found}; not all others could be kept: {self.trouble}" if self.trouble else found
+        """How many intervals were read from the cache, and why others could not be written."""
+        share = f"{self.read} of {self.read + self.solved} intervals"
+        error = f"; not all others could be kept: {self.write_error}" if self.write_error else ""
+        return share + error
 
     @cached_property
     def _program(self) -> tuple[Any, ...]:
-        """The packages, the machine and the code; if one changes, no entry is found."""
+        """Versions of packages, type of the machine and digest of the code, parts of all keys."""
         packages = [Path(__file__).parents[2] / name for name in ("baker", "corrections", "gclip")]
         code = [path.read_bytes() for package in packages for path in sorted(package.rglob("*.py"))]
         return software(), platform.machine(), sha256(b"".join(code)).digest()
@@ -70,18 +71,19 @@ class Cache:
         return sha256(_encoded((self._program, job))).hexdigest()
 
     def _read(self, key: str, job: IntervalJob, tracks: int) -> Interval | None:
-        """The entry of a key, if it is a valid interval of the job: anyone may have written it."""
+        """The entry of a key, or None unless it is a valid interval of the job."""
         path = self.folder / key[:2] / key
         with suppress(OSError, msgspec.MsgspecError):
             entry = memoryview(path.read_bytes() if path.is_file() else b"")
             if sha256(key.encode() + entry[32:]).digest() != entry[:32]:
                 return None
-            found = msgspec.msgpack.decode(entry[32:], type=Interval, dec_hook=_decode_array)
-            if found.curve and (found.start, found.end) == job.times:
-                return found if found.tracks.max() < tracks else None
+            interval = msgspec.msgpack.decode(entry[32:], type=Interval, dec_hook=_decode_array)
+            if interval.curve and (interval.start, interval.end) == job.times:
+                return interval if interval.tracks.max() < tracks else None
         return None
 
     def _write(self, key: str, interval: Interval) -> Interval:
+        """Write an entry, or set `write_error`; returns the interval."""
         path, payload = self.folder / key[:2] / key, _encoded(interval)
         try:
             with writing(path):
@@ -89,12 +91,12 @@ class Cache:
                 with atomic_file(path) as part:
                     part.write_bytes(sha256(key.encode() + payload).digest() + payload)
         except UserError as error:
-            self.trouble = self.trouble or str(error).rstrip(".")
+            self.write_error = self.write_error or str(error).rstrip(".")
         return interval
 
 
 def _encoded(value: Any) -> bytes:
-    """Encode dataclasses, containers, numbers, text and arrays as MessagePack."""
+    """Dataclasses, containers, numbers, text and arrays as MessagePack."""
     return msgspec.msgpack.encode(value, enc_hook=_encode_array)
 
 

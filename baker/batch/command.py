@@ -32,9 +32,10 @@ UNWRAPPED = 10**6  # width of lines that are not printed to a terminal
 def run(
     inputs: Sequence[Path], output: str, options: Options, outputs: Outputs, list_only: bool
 ) -> int:
-    """List or bake scans, folders of scans, or folders of plants; returns the exit code.
+    """List or bake scans, folders of scans, or folders of plants; return the exit code of `bake`.
 
-    output: the argument of -o as it was typed, since a slash at its end means a folder.
+    output: the argument of -o as it was typed, since a slash at its end means a folder. list_only:
+    whether to print what would be baked instead of baking it.
     """
     if not output and not list_only:
         raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")
@@ -44,7 +45,7 @@ def run(
     if list_only:
         list_plants(plants, inputs, options, outputs.quiet)
     elif plants:
-        check_output(outputs.traits, True, "a table of traits", ".csv")  # an old one is extended
+        check_output(outputs.traits, True, "a table of traits", ".csv")  # it may exist
         return bake_all(plants, options, outputs)
     elif outputs.cluster:
         raise InputError("--cluster is for many plants, each a folder of scans; this is one.")
@@ -54,7 +55,7 @@ def run(
 
 
 def check_output(path: Path | None, force: bool, kind: str, *suffixes: str) -> None:
-    """Raise UserError if a file, "a clip" for example, has a wrong suffix or can't be written."""
+    """Raise UserError if an output can't be written or has a wrong suffix; kind: "a clip"."""
     if path is None:
         return
     if path.suffix.lower() not in suffixes:
@@ -76,7 +77,7 @@ def list_plants(
     """Print the scans of each plant, and what a bake would decide about them.
 
     plants: folders by name; empty if the `inputs` are of one plant. If one of many plants can't be
-    read, the reason is listed instead.
+    read, the reason is printed instead.
     """
     out = Lossy(sys.stdout)
     for name, folder in plants.items():
@@ -95,9 +96,9 @@ def finding_lines(findings: Iterable[Finding]) -> list[str]:
     On a terminal, long lines are wrapped and indented.
     """
     width, lines = get_terminal_size((UNWRAPPED, 0)).columns, []
-    for each in sorted(findings, key=lambda finding: TOPICS.index(finding.topic)):
-        text = printable(f"{each.found}: {each.remark}" if each.doubt else each.found)
-        head = f"{each.topic:<8}{'look at this' if each.doubt else 'sure':<14}"
+    for finding in sorted(findings, key=lambda item: TOPICS.index(item.topic)):
+        text = printable(f"{finding.found}: {finding.remark}" if finding.doubt else finding.found)
+        head = f"{finding.topic:<8}{'look at this' if finding.doubt else 'sure':<14}"
         lines += textwrap.wrap(text, width, initial_indent=head, subsequent_indent=" " * len(head))
     return lines
 
@@ -116,8 +117,8 @@ def _survey_lines(inputs: Sequence[Path], options: Options, quiet: bool) -> list
 def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None:
     """Bake one plant, write its outputs and print a summary.
 
-    Raises UserError: before it starts, if an output can't be written, or exists and may not be
-    replaced; later, if the scans or options are wrong.
+    Raises UserError before the bake if an output can't be written, or exists and may not be
+    replaced; during the bake if the scans or options are wrong.
     """
     cache = Cache(outputs.cache) if outputs.cache else None
     check_output(outputs.clip, outputs.force, "a clip", ".gclip")
@@ -126,16 +127,16 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     corrected = with_corrections(options, outputs.clip)
     with StageProgress(outputs.quiet) as progress:
 
-        def announce(findings: Sequence[Finding]) -> None:
+        def report_findings(findings: Sequence[Finding]) -> None:
             for line in finding_lines(findings):
                 progress.say(line)
             if corrected is not options:
                 progress.say(f"corrections: {corrections_file(outputs.clip)}")
             compiling = partial(progress, "compiling the solver, once")
-            if options.resolved().transport != "sinkhorn" and (said := compile_kernels(compiling)):
-                progress.say(said)
+            if options.resolved().transport != "sinkhorn" and (note := compile_kernels(compiling)):
+                progress.say(note)
 
-        clip, errors = bake_into(outputs, inputs, corrected, cache, progress, announce)
+        clip, errors = bake_into(outputs, inputs, corrected, cache, progress, report_findings)
         if outputs.traits is not None:
             write_traits(outputs.traits, clip, outputs.clip.stem, progress)
     lines = list(clip.provenance["notes"]) if outputs.verbose else []

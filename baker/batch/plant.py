@@ -14,7 +14,7 @@ import gclip
 from baker.batch.cache import Cache
 from baker.interpolation.provenance import software
 from baker.options import Options, Outputs, parse_corrections
-from baker.pipeline import Progress, bake_recorded
+from baker.pipeline import Progress, bake_with_survey
 from baker.report.page import write_report
 from baker.report.verification import HoldoutError, verify
 from baker.scans import Finding
@@ -22,7 +22,7 @@ from baker.scans.read import digest, list_series
 from corrections import corrections_file
 from gclip.clip import Clip
 from gclip.terminal.command import OUR_FAULT, verdict
-from traits.table import Namer, measure_days, provenance, write_table
+from traits.table import NamedPlant, measure_days, provenance, write_table
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class PlantJob:
     folder: Path  # of its scans
     options: Options
     outputs: Outputs  # of this plant
-    known: tuple[str, str] | None = None  # `provenance` of its traits in an existing table
+    listed: tuple[str, str] | None = None  # `provenance` of the traits in an existing table
 
 
 @dataclass(frozen=True)
@@ -46,9 +46,9 @@ class Outcome:
     seconds: float = 0.0  # wall clock time
     code: int = 0  # 0, or the exit code of the failure in `error`
     error: str = ""
-    traits: str = ""  # rows of the table; "" where not wanted, or known already
+    traits: str = ""  # rows of the table; "" if not requested, or in the table already
     notes: tuple[str, ...] = ()  # decisions and notes of the clip's provenance
-    looks: str = ""  # "7 of 8 intervals look right"
+    looks: str = ""  # the verdict's first clause, such as "7 of 8 intervals look right"
 
 
 def bake_plant(job: PlantJob) -> Outcome:
@@ -63,8 +63,8 @@ def bake_plant(job: PlantJob) -> Outcome:
             outputs = replace(outputs, force=True)
             clip, _ = bake_into(outputs, [job.folder], job.options, cache)
         table = io.StringIO()
-        if outputs.traits and provenance(clip) != job.known:
-            write_table(table, Namer(clip, job.name), measure_days(clip))
+        if outputs.traits and provenance(clip) != job.listed:
+            write_table(table, NamedPlant(clip, job.name), measure_days(clip))
     except Exception as error:
         code, sentence = verdict(error)
         if code == OUR_FAULT and os.environ.get("GCLIP_TRACEBACK"):
@@ -97,17 +97,19 @@ def bake_into(
     options: Options,
     cache: Cache | None = None,
     progress: Progress = lambda stage, done, total: None,
-    announce: Callable[[Sequence[Finding]], None] | None = None,
+    report_findings: Callable[[Sequence[Finding]], None] | None = None,
 ) -> tuple[Clip, list[HoldoutError]]:
     """Bake a plant, write its clip and report, and compare it with the scans held out.
 
-    inputs: a folder of scans, or the scans' files; cache: keeps the solved intervals; `options`,
-    `progress`, `announce`: as in `bake_recorded`.
+    inputs: a folder of scans, or the scans' files. cache: of solved intervals. options, progress,
+    report_findings: as in `bake_with_survey`. Returns the clip and its distances from these scans.
     """
     solve = cache.solve_intervals if cache else None
-    clip, survey = bake_recorded(inputs, options, progress, solve, announce=announce)
+    clip, survey = bake_with_survey(
+        inputs, options, progress, solve, report_findings=report_findings
+    )
     progress("writing", 0, 1)
-    clip.save(outputs.clip, outputs.force)  # another bake may have been faster
+    clip.save(outputs.clip, outputs.force)  # raises if another bake has written it meanwhile
     progress("writing", 1, 1)
     errors = verify(clip, progress)
     if outputs.report is not None:
@@ -119,8 +121,8 @@ def bake_into(
 def current_clip(job: PlantJob) -> Clip | None:
     """Read the job's clip if it is complete and up to date, else None.
 
-    It is up to date if its provenance names the same versions of the program and its packages, the
-    same options and the same scans: names, order, times and digests. Raises InputError where the
+    It is up to date if its provenance has the same versions of the program and its packages, the
+    same options and the same scans: names, order, times and digests. Raises InputError if the
     folder holds no series of scans.
     """
     path, report = job.outputs.clip, job.outputs.report
@@ -140,6 +142,6 @@ def current_clip(job: PlantJob) -> Clip | None:
     }
     times = {(scan.name, scan.time, scan.date) for scan in series.scans}
     is_current = times >= {(scan.name, scan.time, scan.date) for scan in clip.scans}
-    found = {key: clip.provenance.get(key) for key in expected}
-    is_current &= found == json.loads(json.dumps(expected))  # tuples as lists
+    actual = {key: clip.provenance.get(key) for key in expected}
+    is_current &= actual == json.loads(json.dumps(expected))  # tuples as lists
     return clip if is_current else None

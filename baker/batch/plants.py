@@ -16,8 +16,8 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
     Several folders are one plant each, and so are the folders in a folder without scans. The folder
     of the clips, which a pattern such as */ may include, is not a plant.
 
-    output: the argument of -o, "" where nothing is written. Raises InputError for files among
-    folders, or two plants of one name.
+    output: the argument of -o, "" if nothing is written. Raises InputError for files among folders,
+    or two plants of one name.
     """
     folders = [path for path in inputs if path.is_dir()]
     if not folders:
@@ -31,7 +31,7 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
             )
     if len(folders) == 1:
         if not _may_be_plant(folders[0]):
-            folders = _plants_below(folders[0])
+            folders = _plants_in(folders[0])
         elif not (output.endswith(("/", os.sep)) or (output and Path(output).is_dir())):
             return {}
     clips, plants = Path(output), dict[str, Path]()
@@ -48,16 +48,18 @@ def find_plants(inputs: Sequence[Path], output: str) -> dict[str, Path]:
 
 
 def _may_be_plant(folder: Path) -> bool:
+    """Whether a folder holds scans or images of a plant, or can't be read."""
     try:
         return find_camera(folder) is not None or holds_scans(folder)
-    except InputError:  # the folder can't be read; its bake will fail and say why
+    except InputError:  # the bake of this folder will fail and say why
         return True
 
 
-def _plants_below(greenhouse: Path) -> list[Path]:
-    with input_errors(greenhouse):
-        below = [path for path in greenhouse.iterdir() if path.is_dir()]
-    below = [path for path in below if not path.name.startswith(".") and _may_be_plant(path)]
-    if not below:
-        find_scans([greenhouse])  # raises an InputError that says what is missing
-    return sorted(below, key=lambda path: natural_key(path.name))
+def _plants_in(parent: Path) -> list[Path]:
+    """The folders of plants in a folder, in natural order of their names; InputError if none is."""
+    with input_errors(parent):
+        folders = [path for path in parent.iterdir() if path.is_dir()]
+    folders = [path for path in folders if not path.name.startswith(".") and _may_be_plant(path)]
+    if not folders:
+        find_scans([parent])  # raises an InputError that says what is missing
+    return sorted(folders, key=lambda path: natural_key(path.name))

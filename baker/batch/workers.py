@@ -1,7 +1,7 @@
 """Workers that bake plants: processes on this machine, or those of a dask cluster.
 
 Both contexts yield the function that submits tasks, as `concurrent.futures.Executor.submit` does.
-If a worker is killed, its task is done again by another one, and raises an exception in the end.
+If a worker is killed, its task is tried again by another one, and raises an exception at last.
 """
 
 import logging
@@ -17,10 +17,10 @@ from baker.errors import InputError
 from baker.interpolation.provenance import software
 from baker.scans.child_process import ChildEnded, ChildProcess
 
-ATTEMPTS = 2  # at a task whose worker process is killed
-PATIENCE = 20.0  # seconds until a task that is stopped is killed, on a machine that may be busy
+ATTEMPTS = 2  # number of times that a task is tried if its worker process is killed
+PATIENCE = 20.0  # seconds from stopping a task to killing it, on a machine that may be busy
 TIMEOUT = 5  # seconds to connect to a scheduler
-LOGS = ("distributed", "distributed.client", "distributed.worker", "asyncio")
+LOGGERS = ("distributed", "distributed.client", "distributed.worker", "asyncio")
 
 Submit = Callable[..., "Future[Any]"]
 """``submit(function, *arguments)``; functions, arguments and results are pickled."""
@@ -30,19 +30,19 @@ Submit = Callable[..., "Future[Any]"]
 def process_pool(workers: int) -> Iterator[Submit]:
     """Start worker processes. A task that ends its process `ATTEMPTS` times raises ChildEnded.
 
-    A terminal's Ctrl-C does not reach them. They end with this process, in whatever way, or when
-    the context is left, and remove half-written files.
+    A terminal's Ctrl-C does not reach them. They end when this process ends, however it ends, or
+    when the context is left, and remove half-written files.
     """
     children = [ChildProcess(stderr=None) for _ in range(workers)]
-    unused, own = list(children), local()
+    unused, thread_state = list(children), local()
 
     def start_thread() -> None:
-        own.child = unused.pop()
+        thread_state.child = unused.pop()
 
     def call(function: Callable[..., Any], *arguments: Any) -> Any:
         for _ in range(ATTEMPTS):
             with suppress(ChildEnded):
-                return own.child.call(-1, function, *arguments)
+                return thread_state.child.call(-1, function, *arguments)
         raise ChildEnded(f"tried {ATTEMPTS} times")
 
     threads = ThreadPoolExecutor(workers, initializer=start_thread)
@@ -60,9 +60,9 @@ def cluster_pool(address: str, say: Callable[[str], None]) -> Iterator[Submit]:
 
     A task is tried `distributed.scheduler.allowed-failures` times before it raises KilledWorker.
 
-    address: of the scheduler, or the name of the scheduler's file; say: called with messages for
+    address: of the scheduler, or the name of the scheduler's file. say: called with messages for
     the user. Raises InputError if dask.distributed is not installed, no scheduler answers, or a
-    worker lacks the program or has other versions.
+    worker lacks the program or has other versions of it or of its packages.
     """
     try:
         import distributed
@@ -71,8 +71,8 @@ def cluster_pool(address: str, say: Callable[[str], None]) -> Iterator[Submit]:
             "--cluster needs dask.distributed, which is not installed: "
             'pip install "plant-growth-clips[cluster]"'
         ) from None
-    for log in LOGS:  # errors are raised as InputError instead
-        logging.getLogger(log).setLevel(logging.CRITICAL)
+    for logger in LOGGERS:  # errors are raised as InputError instead
+        logging.getLogger(logger).setLevel(logging.CRITICAL)
     scheduler = {"scheduler_file" if Path(address).is_file() else "address": address}
     try:
         client = distributed.Client(**scheduler, timeout=TIMEOUT, set_as_default=False)
@@ -96,12 +96,12 @@ def cluster_pool(address: str, say: Callable[[str], None]) -> Iterator[Submit]:
 def versions() -> set[str]:
     """The versions of this program and of its packages, such as "numpy 2.0"."""
     program, packages = software().values()
-    named = {program["name"]: program["version"], **packages}
-    return {f"{name} {version}" for name, version in named.items()}
+    names_and_versions = {program["name"]: program["version"], **packages}
+    return {f"{name} {version}" for name, version in names_and_versions.items()}
 
 
 def require_same_versions(client: Any) -> None:
-    """Wait for a worker of a cluster; raise InputError if one lacks the program or has another."""
+    """Wait for a worker of a cluster; raise InputError if a worker has other `versions` or none."""
     try:
         client.submit(versions, pure=False).result()  # some clusters start workers for tasks only
         on_workers = client.run(versions)
@@ -110,11 +110,12 @@ def require_same_versions(client: Any) -> None:
         raise InputError(
             f"The cluster lacks the program ({reason}); install it on its scheduler and workers."
         ) from None
-    ours = versions()
-    for worker, theirs in on_workers.items():
-        if theirs != ours:
-            found, here = (", ".join(sorted(only)) for only in (theirs - ours, ours - theirs))
+    expected = versions()
+    for worker, actual in on_workers.items():
+        if actual != expected:
+            differences = (actual - expected, expected - actual)
+            other, own = (", ".join(sorted(difference)) for difference in differences)
             raise InputError(
-                f"The cluster's worker {worker} has {found}, but here it is {here}; install the "
+                f"The cluster's worker {worker} has {other}, but here it is {own}; install the "
                 "same on both."
             )

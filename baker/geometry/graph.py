@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 Points = NDArray[np.floating]
 
 Gaps = Mapping[tuple[int, int], float]
-"""The labels of two adjacent segments, in either order -> distance between them in spacings."""
+"""(label, label) of adjacent segments, in either order -> distance in point spacings."""
 
 MIN_LENGTH = float(np.finfo(np.float64).tiny)  # of an edge; sparse sums drop those of weight 0
 
@@ -53,8 +53,8 @@ def connected_knn_graph(points: Points, k: int, neighbors: Neighbors | None = No
     if neighbors is None or neighbors.indices.shape[1] < min(k, len(points) - 1):
         neighbors = nearest_neighbors(points, k)
     graph = knn_graph(neighbors.first(k))
-    while (found := connected_components(graph, directed=False))[0] > 1:
-        graph = graph + _shortest_bridges(points, *found)
+    while (components := connected_components(graph, directed=False))[0] > 1:
+        graph = graph + _shortest_bridges(points, *components)
     return graph
 
 
@@ -79,11 +79,11 @@ def segment_gaps(
     from scipy.sparse.csgraph import connected_components
 
     neighbors = neighbors or nearest_neighbors(points)
-    names, segment = np.unique(labels, return_inverse=True)
+    distinct, segment = np.unique(labels, return_inverse=True)
     row, column = np.nonzero(segment[neighbors.indices] != segment[:, None])
     ends = segment[np.stack([row, neighbors.indices[row, column]])]
     lengths = neighbors.distances[row, column].astype(np.float64)
-    count = len(names)
+    count = len(distinct)
     if connected_components(csr_matrix((lengths > -1, ends), (count, count)), False)[0] > 1:
         edges = connected_knn_graph(points, neighbors.indices.shape[1], neighbors).tocoo()
         ends, lengths = segment[np.stack([edges.row, edges.col])], edges.data
@@ -92,7 +92,7 @@ def segment_gaps(
     pairs, number = np.unique(ends[0] * count + ends[1], return_inverse=True)
     gaps = np.full(len(pairs), np.inf)
     np.minimum.at(gaps, number, lengths / max(neighbors.spacing, MIN_LENGTH))
-    first, second = (names[side].tolist() for side in np.divmod(pairs, count))
+    first, second = (distinct[side].tolist() for side in np.divmod(pairs, count))
     adjacent = dict(zip(zip(first, second, strict=True), gaps.tolist(), strict=True))
     return adjacent | {(b, a): gap for (a, b), gap in adjacent.items()}
 
@@ -128,7 +128,10 @@ def geodesic_distances(
 
 
 def chain_ends(following: NDArray[np.intp]) -> NDArray[np.intp]:
-    """(n,) the end of each item's chain: the item that follows itself, found by pointer jumping."""
+    """(n,) last item of each item's chain, by pointer jumping.
+
+    following: (n,) the item after each item, which is the item itself at the end of a chain.
+    """
     while True:
         jumped = following[following]
         if np.array_equal(jumped, following):
@@ -190,13 +193,13 @@ def branches(
         high, low = np.sort(component[pair])
         if high == low:
             continue
-        above = component[peak[: level + 1]]
+        above_level = component[peak[: level + 1]]
         length, other_length = height[descending[[low, high]]] - height[descending[level]]
         is_long = length >= min_length and (has_merged[high] or length >= min_share * other_length)
-        if has_merged[low] or (is_long and (above == low).sum() >= min_points):
+        if has_merged[low] or (is_long and (above_level == low).sum() >= min_points):
             for side in (high, low):
                 if not has_merged[side]:
-                    branch[: level + 1][above == side] = branch_count
+                    branch[: level + 1][above_level == side] = branch_count
                     branch_count += 1
             has_merged[[high, low]] = True
         component[component == low] = high

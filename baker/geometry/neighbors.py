@@ -12,9 +12,11 @@ from numpy.typing import NDArray
 from baker.geometry.morton import morton_order
 from baker.geometry.parallel import MapLike
 
+Points = NDArray[np.floating]
+
 NEIGHBORS = 10  # enough to include the next segment for points at the border of a segment
-NEIGHBORS_FOR_REACH = 8  # a point's reach is the distance to its 8th neighbour
-OUTLIER_RATIO = 10.0  # reach of an outlier : median reach
+NEIGHBORS_FOR_RADIUS = 8  # the radius of a neighbourhood is the distance to the 8th neighbour
+OUTLIER_RATIO = 10.0  # radius of the neighbourhood of an outlier : median radius
 BLOCK_SIZE = 4_000  # points that are processed together
 
 
@@ -32,11 +34,11 @@ class Neighbors:
 
     @property
     def inliers(self) -> NDArray[np.bool_]:
-        """(N,) bool, whether the 8th (or last) neighbour is at most ten times as far as usual."""
+        """(N,) whether the 8th (or last) neighbour is at most ten times as far as in the median."""
         if not self.distances.size:
             return np.ones(len(self.distances), bool)
-        reach = self.distances[:, :NEIGHBORS_FOR_REACH][:, -1]
-        return reach <= OUTLIER_RATIO * np.median(reach)
+        radius = self.distances[:, :NEIGHBORS_FOR_RADIUS][:, -1]
+        return radius <= OUTLIER_RATIO * np.median(radius)
 
     def first(self, k: int) -> "Neighbors":
         """The k nearest of these neighbours; they do not keep the others in memory."""
@@ -45,9 +47,7 @@ class Neighbors:
         )
 
 
-def nearest_neighbors(
-    points: NDArray[np.floating], k: int = NEIGHBORS, map: MapLike = map
-) -> Neighbors:
+def nearest_neighbors(points: Points, k: int = NEIGHBORS, map: MapLike = map) -> Neighbors:
     """Query the k nearest other points of each point.
 
     Equivalent to ``KDTree(points).query(points, k + 1)`` without each point itself. The points are
@@ -68,7 +68,7 @@ def nearest_neighbors(
     ordered, numbers = points[order], order.astype(np.int32)
     tree, ranks = KDTree(ordered, balanced_tree=False), np.arange(1, k + 2)
     shape = len(points), k
-    found = Neighbors(np.empty(shape, np.int32), np.empty(shape, np.float32))
+    neighbors = Neighbors(np.empty(shape, np.int32), np.empty(shape, np.float32))
 
     def query(part: slice) -> None:
         distances, nearest = tree.query(ordered[part], ranks)
@@ -77,12 +77,12 @@ def nearest_neighbors(
         duplicates = np.flatnonzero(nearest[:, 0] != own)
         column = np.argmax(nearest[duplicates] == own[duplicates, None], axis=1)
         nearest[duplicates, column] = nearest[duplicates, 0]
-        found.indices[order[part]] = numbers.take(nearest[:, 1:])
-        found.distances[order[part]] = distances[:, 1:]
+        neighbors.indices[order[part]] = numbers.take(nearest[:, 1:])
+        neighbors.distances[order[part]] = distances[:, 1:]
 
     for _ in map(query, blocks(len(points))):
         pass
-    return found
+    return neighbors
 
 
 def blocks(count: int) -> list[slice]:
@@ -90,17 +90,12 @@ def blocks(count: int) -> list[slice]:
     return [slice(begin, begin + BLOCK_SIZE) for begin in range(0, count, BLOCK_SIZE)]
 
 
-def point_spacing(points: NDArray[np.floating]) -> float:
+def point_spacing(points: Points) -> float:
     """Median distance from (N, 3) points to their nearest neighbours; 0 for N < 2."""
     return nearest_neighbors(points, 1).spacing if len(points) > 1 else 0.0
 
 
-def interpolate(
-    points: NDArray[np.floating],
-    samples: NDArray[np.floating],
-    values: NDArray[np.floating],
-    k: int,
-) -> NDArray[np.float64]:
+def interpolate(points: Points, samples: Points, values: Points, k: int) -> NDArray[np.float64]:
     """Interpolate values of samples by inverse distance weighting of the k nearest (Shepard 1968).
 
     Parameters

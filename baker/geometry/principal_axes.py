@@ -24,10 +24,10 @@ def principal_spreads(points: NDArray[np.float64], radius: float) -> NDArray[np.
     count, centered = len(points), points - points.mean(axis=0)
     i, j = KDTree(points).query_pairs(radius, output_type="ndarray").T
     half = csr_matrix((np.ones(len(i)), (i, j)), (count, count))
-    within = half + half.T + identity(count, format="csr")
-    number = within @ np.ones((count, 1))
-    mean = (within @ centered) / number
+    adjacency = half + half.T + identity(count, format="csr")
+    number = adjacency @ np.ones((count, 1))
+    mean = (adjacency @ centered) / number
     products = (centered[:, :, None] * centered[:, None]).reshape(count, 9)
-    squares = ((within @ products) / number).reshape(count, 3, 3)
+    squares = ((adjacency @ products) / number).reshape(count, 3, 3)
     variances = np.linalg.eigvalsh(squares - mean[:, :, None] * mean[:, None])
     return np.sqrt(np.maximum(variances, 0.0))

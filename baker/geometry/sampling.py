@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-ROUNDING = 1e-14  # of the largest squared distance from the mean, for points in one place
+ROUNDING = 1e-14  # squared distance of equal points : largest squared distance from the mean
 SIZE_TOLERANCE = 1.02  # of the voxel size that `voxel_size_for` finds
 
 
@@ -35,9 +35,9 @@ def farthest_point_sample(
     factors = np.stack([-2.0 * x, -2.0 * y, -2.0 * z, terms[4], norms], axis=1)
     least = ROUNDING * norms.max()
     chosen = [int(np.argmax(norms)) if first is None else first]
-    squared, found = np.full(len(points), np.inf), np.empty(len(points))
+    squared, product = np.full(len(points), np.inf), np.empty(len(points))
     while len(chosen) < count:
-        np.minimum(squared, np.dot(factors[chosen[-1]], terms, out=found), out=squared)
+        np.minimum(squared, np.dot(factors[chosen[-1]], terms, out=product), out=squared)
         farthest = int(squared.argmax())
         if squared[farthest] <= least:
             break
@@ -91,6 +91,7 @@ def voxel_size_for(points: NDArray[np.float64], count: int) -> float:
 
 
 def _voxels(points: NDArray[np.float64], size: float) -> NDArray[np.int64]:
+    """(N,) number of the voxel of each point."""
     cell = np.floor((points - points.min(axis=0)) / size).astype(np.int64)
     sides = cell.max(axis=0) + 1
     return np.asarray((cell[:, 0] * sides[1] + cell[:, 1]) * sides[2] + cell[:, 2], np.int64)

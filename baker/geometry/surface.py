@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.neighbors import Neighbors, blocks
 
+# docs/method.md, "Density".
 PLANAR_RATIO = 1.5  # greatest area : spread of a neighbourhood; it is higher on a thin rod
 MAX_AREA_QUANTILE = 0.98  # of the areas of all points, to which larger ones are reduced
 
@@ -23,7 +24,7 @@ def normals_and_areas(
     Returns
     -------
     normals : (N, 2) uint8
-        Octahedral codes.
+        Octahedral codes (docs/format.md, "Normals").
     area : (N,) float64
         In squared length units.
     """
@@ -32,23 +33,18 @@ def normals_and_areas(
 
 
 def covariances(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np.float64]:
-    """Covariance of the positions of each point and its neighbours.
+    """(6, N) covariance of the positions of each point and its neighbours, in squared units.
 
-    Parameters
-    ----------
-    points, neighbors : (N, 3) float, Neighbors
-
-    Returns
-    -------
-    (6, N) float64
-        The elements xx, yy, zz, xy, yz and zx, in squared units of the points.
+    The elements are xx, yy, zz, xy, yz and zx. Equivalent, for each point with neighbours j, to
+    ``np.cov(points[[i, *j]].T, bias=True)``.
     """
     covariance = np.empty((6, len(points)))
     columns = np.ascontiguousarray(points.T, np.float64)
     for part in blocks(len(points)):
         nearest = neighbors.indices[part].T.copy()  # (k, n), contiguous
         count = len(nearest) + 1
-        offsets = [axis.take(nearest) - axis[part] for axis in columns]  # that of the point is 0
+        # The point itself counts, too, with the offset 0.
+        offsets = [axis.take(nearest) - axis[part] for axis in columns]
         sums = [axis.sum(axis=0) for axis in offsets]
         for element, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))):
             products = np.einsum("kn,kn->n", offsets[i], offsets[j])
@@ -57,22 +53,13 @@ def covariances(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[n
 
 
 def point_area(covariance: NDArray[np.float64], neighbors: Neighbors) -> NDArray[np.float64]:
-    """Area of the surface that each point represents, up to a common factor.
+    """(N,) area of the surface that each point represents, up to a common factor.
 
     On a surface it is the squared distance to the last neighbour. On a twig thinner than the point
     spacing, it is limited by the area of a disk with the same covariance as the neighbourhood. The
-    area of isolated points is limited by a quantile of all.
+    area of isolated points is limited by a quantile of all areas; that of a single point is 1.
 
-    Parameters
-    ----------
-    covariance : (6, N) float64
-        As `covariances` returns it.
-    neighbors : Neighbors
-
-    Returns
-    -------
-    (N,) float64
-        In squared units of the points; 1 for a single point.
+    covariance: (6, N) as `covariances` returns it.
     """
     if not neighbors.indices.size:
         return np.ones(len(neighbors.indices))
@@ -87,21 +74,12 @@ def point_area(covariance: NDArray[np.float64], neighbors: Neighbors) -> NDArray
 
 
 def surface_normals(covariance: NDArray[np.float64], neighbors: Neighbors) -> NDArray[np.uint8]:
-    """Normals of planes fitted to the neighbourhood of each point.
+    """(N, 2) octahedral codes of normals of planes fitted to the neighbourhood of each point.
 
     The covariance is averaged over the neighbours, which makes the normals as smooth as with three
-    times as many neighbours, without another query.
+    times as many neighbours, without another query. The sign of a normal is arbitrary.
 
-    Parameters
-    ----------
-    covariance : (6, N) float64
-        As `covariances` returns it.
-    neighbors : Neighbors
-
-    Returns
-    -------
-    (N, 2) uint8
-        Octahedral codes (docs/format.md, "Normals"), without the sign of the normal.
+    covariance: (6, N) as `covariances` returns it.
 
     References
     ----------
@@ -113,7 +91,7 @@ def surface_normals(covariance: NDArray[np.float64], neighbors: Neighbors) -> ND
     codes = np.zeros((count, 2), np.uint8)
     if k < 3:
         return codes
-    rows = np.ascontiguousarray(covariance.T)  # multiplied at once, in half the time
+    rows = np.ascontiguousarray(covariance.T)  # one product of all elements takes half the time
     for part in blocks(count):
         nearest = neighbors.indices[part]
         begins = np.arange(0, nearest.size + 1, k)

@@ -16,7 +16,7 @@ class Vertical:
 
     @classmethod
     def named(cls, up: str) -> Self:
-        """The direction "x", "y", "z", "-x", "-y" or "-z"."""
+        """Make the direction that is called "x", "y", "z", "-x", "-y" or "-z"."""
         return cls("xyz".index(up[-1]), -1 if up.startswith("-") else 1)
 
     def height(self, points: NDArray[np.floating]) -> NDArray[np.floating]:

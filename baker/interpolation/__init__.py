@@ -1,1 +1,1 @@
-"""What movers do between two scans: spines, deformation, control points, attachment, density."""
+"""The motion of movers between scans: spines, deformation, control points, attachment, density."""

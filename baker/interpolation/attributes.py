@@ -17,23 +17,24 @@ from gclip.evaluate import positions_on_curve
 
 STEM_COLOR = (122, 158, 72)  # a muted green, unlike the colours of the organs
 GOLDEN_ANGLE = 0.381966  # of a turn, between the hues of successive organs
-FIRST_HUE = 0.095
+FIRST_HUE = 0.095  # of a turn: orange
+LIGHTNESSES, SATURATION = (0.56, 0.66, 0.46), 0.72  # in HLS
 
 
 def organ_colors(count: int) -> list[tuple[int, int, int]]:
-    """`count` sRGB colours for tracks, that of the root first.
+    """Make `count` 8-bit sRGB colours for tracks, that of the root first.
 
     Hues advance by the golden angle; the lightness changes after every eight colours.
     """
     colors = [STEM_COLOR]
     for index in range(count - 1):
-        lightness = (0.56, 0.66, 0.46)[index // 8 % 3]
-        rgb = hls_to_rgb((FIRST_HUE + GOLDEN_ANGLE * index) % 1.0, lightness, 0.72)
+        lightness = LIGHTNESSES[index // 8 % 3]
+        rgb = hls_to_rgb((FIRST_HUE + GOLDEN_ANGLE * index) % 1.0, lightness, SATURATION)
         colors.append((round(255 * rgb[0]), round(255 * rgb[1]), round(255 * rgb[2])))
     return colors[:count]
 
 
-def painted(
+def with_colors(
     keyframes: Sequence[Keyframe],
     scans: Sequence[Scan],
     hierarchies: Sequence[Hierarchy],
@@ -47,15 +48,11 @@ def painted(
         Scans are as they were read.
     colors : {"scan", "segment", "none"}
         "segment" colours segments by their numbers (or labels) in each scan, so that the colours of
-        matched segments are interpolated over time, which shows the matching.
+        matched segments are interpolated over time and show the matching (the paper's Figure 8).
 
     Returns
     -------
     list of Keyframe
-
-    References
-    ----------
-    Figure 8 of the paper, for "segment".
     """
     if colors == "scan":
         return list(keyframes)
@@ -73,7 +70,7 @@ def painted(
 def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequence[Scan]) -> Clip:
     """Add the scalar fields of the scans to a clip: values at the start and end of each mover.
 
-    Movers of an organ that is born or lost have its values in the one scan at both ends.
+    Movers of an organ that only one of the two scans shows have its values there at both ends.
 
     Parameters
     ----------

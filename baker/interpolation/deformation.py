@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from baker.geometry.rigid import rotations_between
 from baker.geometry.sampling import farthest_point_sample
-from baker.interpolation.spine import Points, Spine, at_levels, levels, unit
+from baker.interpolation.spine import Points, Spine, interpolate_nodes, node_positions, unit
 
 if TYPE_CHECKING:
     from scipy.spatial import KDTree
 
+# docs/method.md, "Motion of organs".
 MIN_NODE_DISTANCE = 0.02  # between landmarks along a spine, as a share of its length
 MAX_WIDENING = 3.0  # greatest factor by which cross-sections widen or narrow
-
 CENTERS = 60  # number of local affine maps
 KERNEL_WIDTHS = 0.8, 0.5, 0.33, 0.22, 0.15  # in root mean square radii of the organ
 STIFFNESS = 0.1  # regularisation of the maps, in squared widths of the kernel
@@ -37,25 +37,28 @@ NO_LANDMARKS: Landmarks = np.empty(0, np.intp), np.empty(0, np.intp)
 def spine_deformation(
     source: Points, target: Points, before: Spine, after: Spine, landmarks: Landmarks = NO_LANDMARKS
 ) -> Points:
-    """Move the points of an organ from one spine to the other, keeping their offsets from it.
+    """Move the (n, 3) points of an organ from one spine to the other, with their offsets from it.
 
-    The order of points and landmarks along the spine is kept. Each level is rotated by the smallest
-    rotation between the tangents.
+    The order of points and landmarks along the spine is kept. The offsets are rotated by the
+    smallest rotation between the tangents, and scaled like the radius of the (m, 3) target.
     """
     i, j = landmarks
     knots = _landmark_levels(before.along[i], after.along[j])
-    tangents = unit(at_levels(after.tangents, np.interp(levels(), *knots)))
-    centers = at_levels(after.nodes, np.interp(before.along, *knots))
-    rotations = at_levels(rotations_between(before.tangents, tangents), before.along)
-    offsets = source - at_levels(before.nodes, before.along)
-    target_offsets = target - at_levels(after.nodes, after.along)
+    tangents = unit(interpolate_nodes(after.tangents, np.interp(node_positions(), *knots)))
+    centers = interpolate_nodes(after.nodes, np.interp(before.along, *knots))
+    rotations = interpolate_nodes(rotations_between(before.tangents, tangents), before.along)
+    offsets = source - interpolate_nodes(before.nodes, before.along)
+    target_offsets = target - interpolate_nodes(after.nodes, after.along)
     radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offsets, target_offsets)]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
     return centers + width * np.einsum("nij,nj->ni", rotations, offsets)
 
 
 def _landmark_levels(before: Floats, after: Floats) -> tuple[list[float], list[float]]:
-    """The positions of landmarks along both spines, with the ends, ascending in both."""
+    """Positions along both spines, (n,) each, of the landmarks in the same order, and of the ends.
+
+    A landmark is left out if it is too near to the one before it, or to an end, in either scan.
+    """
     knots = [(0.0, 0.0)]
     for knot in sorted(zip(before.tolist(), after.tolist(), strict=True)):
         step = min(knot[0] - knots[-1][0], knot[1] - knots[-1][1])
@@ -68,10 +71,10 @@ def _landmark_levels(before: Floats, after: Floats) -> tuple[list[float], list[f
 def register_nonrigid(
     moving: Points, target: Points, landmarks: Landmarks = NO_LANDMARKS
 ) -> Points:
-    """Register points non-rigidly with a target by iterated closest points.
+    """Register (n, 3) points non-rigidly with an (m, 3) target by iterated closest points.
 
-    In every iteration, each point is paired with the closest one of the other cloud, in both
-    directions, and landmarks with theirs. Around `CENTERS` points, affine maps are fitted to the
+    In every iteration, each point of both clouds is paired with the closest point of the other, and
+    each landmark with its target. Around `CENTERS` points, affine maps are fitted to the
     displacements of the pairs by weighted least squares, and the maps are blended.
     """
     from scipy.spatial import KDTree
@@ -98,6 +101,7 @@ def register_nonrigid(
         sums = (weights @ (trust[:, None] * products)).reshape(-1, 4, 4)
         moments = (homogeneous[:, :, None] * shift[:, None]).reshape(-1, 12)
         targets = (weights @ moments).reshape(-1, 4, 3)
+        # The normal equations of all maps, (CENTERS, 4, 3); then the blended map of each point.
         maps = np.linalg.solve(sums + ridge * sums[:, 3:, 3:], targets)
         local = (blend.T @ maps.reshape(-1, 12)).reshape(-1, 4, 3)
         deformed = source + np.einsum("ni,nij->nj", homogeneous, local)

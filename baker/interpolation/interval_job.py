@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from baker.alignment.keyframes import AlignedSeries, Keyframe
 from baker.geometry.parallel import MapLike, ReportProgress, reporting, thread_map
 from baker.geometry.up_axis import Vertical
-from baker.interpolation.movers import OrganPaths, carried_deviations, leaving, moving
+from baker.interpolation.movers import OrganPaths, child_deviations, lost_organ_movers, organ_movers
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import (
     Attachments,
@@ -72,7 +72,8 @@ def interval_jobs(
         Whether organs were found without labels. Most lost organs are then parts of a leaf that is
         segmented differently in the next scan, so they fade instead of falling.
     """
-    is_curved, spacings = options.paths == "curved", [near.spacing for near in series.neighbors]
+    is_curved = options.paths == "curved"
+    spacings = [neighbors.spacing for neighbors in series.neighbors]
     clouds, keyframes = [*series.clouds], series.keyframes
     attachments = organ_attachments(clouds, spacings, matches)
     if options.smooth:
@@ -84,7 +85,7 @@ def interval_jobs(
     timings: list[dict[int, Timing]] = [{} for _ in matches]
     if is_curved:
         timings = organ_timings(clouds, matches, series.times, series.spacing)
-    transport = TransportOptions(  # in the paper, costs are distances on a plain kNN support
+    transport = TransportOptions(  # the paper's costs are plain distances on a kNN support
         method="sinkhorn" if options.transport == "sinkhorn" else "exact",
         power=1 if options.paper else 2,
         neighbors=options.neighbors,
@@ -123,20 +124,20 @@ def _decays(
     tasks: Sequence[tuple[Task, ...]], matches: Sequence[Match], decay: Motion, unlabelled: bool
 ) -> list[dict[int, Motion]]:
     """The motion of each lost organ; an organ that reappears in a later scan does not fall."""
-    decays, later = [], set[int]()
+    decays, later_organs = [], set[int]()
     for interval, match in zip(reversed(tasks), reversed(matches), strict=True):
         lost = {task.organ for task in interval if task.event == "loss"}
-        fading = lost if unlabelled else lost & later
+        fading = lost if unlabelled else lost & later_organs
         fading = fading if decay is Motion.FALL else set()
         decays.append({organ: Motion.FADE if organ in fading else decay for organ in lost})
-        later |= {*match.second.organs}
+        later_organs |= {*match.second.organs}
     return decays[::-1]
 
 
 def solve_intervals(
     jobs: Sequence[IntervalJob], report_progress: ReportProgress, workers: int = 1
 ) -> Iterator[Interval]:
-    """Solve intervals in threads: an interval each or, if there are fewer, an organ each.
+    """Solve intervals in threads: one interval a thread or, if there are fewer, one organ a thread.
 
     Parameters
     ----------
@@ -167,8 +168,8 @@ def solve_intervals(
 def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> Interval:
     """Solve one interval; the result does not depend on `map` and `workers`.
 
-    map: over the organs, in threads. workers: number of threads for the transport of an organ that
-    is larger than a thread's share.
+    map: maps over the organs, in threads. workers: number of threads for the transport of an organ
+    with more points than an equal share for each thread.
     """
     clouds, scan = (job.start.positions, job.end.positions), job.match.second
     shapes: Sequence[Mapping[int, OrganShape]] = {}, {}
@@ -196,25 +197,25 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         if motion is None or not job.is_curved or task.organ == scan.organs[scan.root]:
             return paths
         deviation = paths.deviation + motion.deviation(origin)
-        carried = carried_deviations(task.organ, motion, clouds[1], scan)
-        return replace(paths, deviation=deviation, carried=carried)
+        of_children = child_deviations(task.organ, motion, clouds[1], scan)
+        return replace(paths, deviation=deviation, child_deviations=of_children)
 
     # The largest organs first, so that threads finish at about the same time.
     order = np.argsort(sizes, kind="stable")[::-1]
     solutions = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
-    paths = [each for k in np.argsort(order) if (each := solutions[k]) is not None]
-    left = [
-        leaving(task, job.start, job.decays[task.organ], job.vertical, job.floor)
+    paths = [organ for k in np.argsort(order) if (organ := solutions[k]) is not None]
+    lost = [
+        lost_organ_movers(task, job.start, job.decays[task.organ], job.vertical, job.floor)
         for task in job.tasks
         if task.event == "loss"
     ]
-    moved = [moving(paths, job.start, job.end, scan, job.growth)] if paths else []
+    moved = [organ_movers(paths, job.start, job.end, scan, job.growth)] if paths else []
     return pack_interval(
         *job.times,
-        [*moved, *(movers for movers, _ in left)],
+        [*moved, *(movers for movers, _ in lost)],
         spacing=job.spacing,
         precision=job.precision,
-        segments=(*(each.pair for each in paths), *(pair for _, pair in left)),
+        segments=(*(organ.pair for organ in paths), *(pair for _, pair in lost)),
     )
 
 

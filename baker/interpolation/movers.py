@@ -14,7 +14,7 @@ from baker.geometry.up_axis import Vertical
 from baker.interpolation.organ_motion import OrganMotion
 from baker.interpolation.packing import Movers, elevate_degree
 from baker.interpolation.resampling import with_even_density
-from baker.interpolation.spine import at_levels
+from baker.interpolation.spine import interpolate_nodes
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task
@@ -33,11 +33,11 @@ class OrganPaths:
     task: Task
     plan: Correspondences  # of M pairs of points
     deviation: Floats | float = 0.0  # (M, 3) from straight paths at mid-interval
-    carried: Mapping[int, Floats] = field(default_factory=dict)  # child -> (3,) of its attachment
+    child_deviations: Mapping[int, Floats] = field(default_factory=dict)  # see the function
 
     @property
     def pair(self) -> SegmentPair:
-        """The organ's entry in the report."""
+        """The organ's entry in the clip's table of segment pairs."""
         task, plan = self.task, self.plan
         return SegmentPair(
             task.organ, task.event, len(task.start), len(task.end), len(plan.rows),
@@ -45,7 +45,7 @@ class OrganPaths:
         )  # fmt: skip
 
 
-def moving(
+def organ_movers(
     organs: Sequence[OrganPaths], start: Keyframe, end: Keyframe, scan: Hierarchy, growth: float
 ) -> Movers:
     """The movers of all matched and new organs of an interval.
@@ -53,7 +53,7 @@ def moving(
     scan: the hierarchy of the second scan. growth: as in `with_even_density`; used if the keyframes
     have point areas.
     """
-    tasks, plans = [each.task for each in organs], [each.plan for each in organs]
+    tasks, plans = [organ.task for organ in organs], [organ.plan for organ in organs]
     counts = [len(plan.rows) for plan in plans]
     # The rows and columns of all plans, as indices of the tasks' points, task after task.
     starts, rows = _stacked([task.start for task in tasks], [plan.rows for plan in plans])
@@ -61,7 +61,7 @@ def moving(
     a, b = starts[rows], ends[columns]
     is_born = np.repeat([task.event == "birth" for task in tasks], counts)
     curve: tuple[Floats, ...] = start.positions.take(a, axis=0), end.positions.take(b, axis=0)
-    if (shift := _shifts(organs, scan)).any():
+    if (shift := _total_deviations(organs, scan)).any():
         origin, control, target = elevate_degree(curve, 2)
         # The weight of the control point at mid-interval is 1/2.
         curve = origin, (control + 2.0 * shift).astype(np.float32), target
@@ -81,32 +81,32 @@ def moving(
 
 
 def _stacked(points: Sequence[Indices], indices: Sequence[Indices]) -> tuple[Indices, Indices]:
-    """Concatenate arrays of points, and arrays of indices of these."""
+    """Concatenate arrays of points, and arrays of indices into each of them."""
     begins = np.cumsum([0, *map(len, points)])
-    stacked = [each + begin for each, begin in zip(indices, begins, strict=False)]
+    stacked = [index + begin for index, begin in zip(indices, begins, strict=False)]
     return np.concatenate(points), np.concatenate(stacked)
 
 
-def _shifts(organs: Sequence[OrganPaths], scan: Hierarchy) -> Floats:
-    """(M, 3) deviation of each mover: that of its organ, and those of what it grows on."""
-    carried: dict[int, Floats] = {}
-    for each in organs:
-        carried |= each.carried
+def _total_deviations(organs: Sequence[OrganPaths], scan: Hierarchy) -> Floats:
+    """(M, 3) deviation of each mover: that of its organ, and those of all organs it grows on."""
+    attached: dict[int, Floats] = {}  # organ -> deviation of its attachment on the parent
+    for organ in organs:
+        attached |= organ.child_deviations
     shifts: dict[int, Floats] = {NO_PARENT: np.zeros(3)}  # segment -> sum along its ancestors
-    for segment in scan.from_the_root():
-        own = carried.get(scan.organs[segment], np.zeros(3))
+    for segment in scan.parents_first():
+        own = attached.get(scan.organs[segment], np.zeros(3))
         shifts[segment] = shifts[scan.parents[segment]] + own
-    by_organ = {organ: shifts[segment] for segment, organ in enumerate(scan.organs)}
-    base = [np.tile(by_organ[each.task.organ], (len(each.plan.rows), 1)) for each in organs]
+    by_track = {track: shifts[segment] for segment, track in enumerate(scan.organs)}
+    base = [np.tile(by_track[organ.task.organ], (len(organ.plan.rows), 1)) for organ in organs]
     return np.concatenate(
-        [shift + each.deviation for shift, each in zip(base, organs, strict=True)]
+        [shift + organ.deviation for shift, organ in zip(base, organs, strict=True)]
     )
 
 
-def leaving(
+def lost_organ_movers(
     task: Task, start: Keyframe, decay: Motion, vertical: Vertical, floor: float
 ) -> tuple[Movers, SegmentPair]:
-    """The movers of a lost organ, and its entry in the report (section 3.3.1, decay).
+    """The movers of a lost organ, and its entry in the table of segment pairs (section 3.3.1).
 
     They fall vertically to the height `floor`, unless they are below it, or stay in place until
     they have faded or are removed.
@@ -134,12 +134,12 @@ def mid_area(before: Floats, a: Indices, after: Floats, b: Indices) -> NDArray[n
     return ((start + end) / 2) ** 2
 
 
-def carried_deviations(
+def child_deviations(
     organ: int, motion: OrganMotion, end: Floats, scan: Hierarchy
 ) -> dict[int, Floats]:
-    """Child organ -> (3,) deviation of its attachment.
+    """(3,) deviation at mid-interval of the attachment of each child of an organ, by track id.
 
-    end, scan: (N, 3) points of the second scan, and its hierarchy.
+    motion: of the organ. end, scan: (N, 3) points of the second scan, and its hierarchy.
     """
     from scipy.spatial import KDTree
 
@@ -150,5 +150,5 @@ def carried_deviations(
             sample = members[:: max(1, len(members) // POINTS_COMPARED)]
             distances, nearest = tree.query(end.take(sample, axis=0))
             attached_to[scan.organs[child]] = int(nearest[np.argmin(distances)])
-    shifts = at_levels(motion.deviations, motion.along[[*attached_to.values()]])
+    shifts = interpolate_nodes(motion.deviations, motion.along[[*attached_to.values()]])
     return dict(zip(attached_to, shifts, strict=True))

@@ -8,16 +8,17 @@ from numpy.typing import NDArray
 from baker.geometry.neighbors import interpolate
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.organ_shapes import OrganShape
-from baker.interpolation.spine import Points, at_levels, fit_spine, unit
+from baker.interpolation.spine import Points, fit_spine, interpolate_nodes, unit
 
 # Range of the unevenness of a deformation. Below it, an organ turns evenly in time; above it, it
 # turns as it grows (docs/method.md, "Motion of organs").
 UNEVENNESS_RANGE = (0.04, 0.1)
-UNEVENNESS_OF_GROWTH = 0.08  # subtracted per factor e of growth
+UNEVENNESS_OF_GROWTH = 0.08  # that any growth has, for each factor e
 FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # to which the stretch is measured
-POINTS_COMPARED = 100
-NEIGHBORS = 4  # points of the sample, from which other points are interpolated
-MIN_COSINE = -0.9  # between the directions of a segment in both scans, of which the mean is taken
+MAX_LOG_STRETCH = 2.0  # to which outliers are clipped
+POINTS_COMPARED = 100  # number of points of an organ at which the stretch is measured
+NEIGHBORS = 4  # number of points of the sample from which other points are interpolated
+MIN_COSINE = -0.9  # between the directions of a piece of the spine in both scans
 
 
 @dataclass(frozen=True)
@@ -27,22 +28,22 @@ class OrganMotion:
     sample: Points  # (n, 3) points in the first scan
     along: NDArray[np.float64]  # (n,) their positions along the spine, 0 to 1
     deformed: Points  # (n, 3) their positions in the second scan
-    deviations: Points  # (LEVELS, 3) of the spine's nodes from their chords, at mid-interval
+    deviations: Points  # (NODES, 3) of the spine's nodes from their chords, at mid-interval
     is_reversed: bool = False  # whether the second scan was deformed onto the first
 
     def registered(
         self, start: NDArray[np.floating], end: NDArray[np.floating]
     ) -> tuple[NDArray[np.floating], NDArray[np.floating]]:
-        """The points of the organ in both scans, those in one scan deformed onto the other."""
+        """The points of the organ in both scans, after those of one are deformed onto the other."""
         shift = self.deformed - self.sample
         if self.is_reversed:
             return start, end - interpolate(end, self.deformed, shift, NEIGHBORS)
         return start + interpolate(start, self.sample, shift, NEIGHBORS), end
 
     def deviation(self, points: NDArray[np.floating]) -> Points:
-        """(n, 3) deviation of movers that start at these points from their chords, mid-interval."""
+        """(n, 3) deviation at mid-interval, from their chords, of movers that start at points."""
         along = interpolate(points, self.sample, self.along, NEIGHBORS)
-        return at_levels(self.deviations, along)
+        return interpolate_nodes(self.deviations, along)
 
 
 def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
@@ -67,14 +68,14 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
 
 
 def mid_spine(start: Points, end: Points, share: float) -> Points:
-    """(LEVELS, 3) nodes of a spine at mid-interval.
+    """(NODES, 3) nodes of a spine at mid-interval.
 
     It is integrated from the attachment, so that it keeps its length where chords would cut across
     a bend. The length of each segment is the squared mean of the square roots of its lengths: young
     tissue grows by a factor, older tissue by an amount, so more growth means less at mid-interval.
 
-    share: weight of the longer of both segments for the direction. With 0, a segment has made half
-    of its turn; with 1, new tissue lies in the new direction.
+    share: by how much the longer of both segments counts more for the direction. With 0, a segment
+    has made half of its turn; with 1, new tissue lies in the new direction.
     """
     segments = np.stack([np.diff(start, axis=0), np.diff(end, axis=0)])
     lengths = np.linalg.norm(segments, axis=2, keepdims=True)
@@ -89,7 +90,8 @@ def mid_spine(start: Points, end: Points, share: float) -> Points:
 def growth_share(start: Points, end: Points, uneven: float) -> float:
     """The `share` of `mid_spine`: 0 if an organ turns evenly in time, 1 if it turns as it grows.
 
-    The more an organ grows, the less even is any deformation. uneven: as `unevenness` returns it.
+    The more an organ grows, the less even its deformation is. start, end: (NODES, 3) nodes in both
+    scans. uneven: as `unevenness` returns it.
     """
     lengths = [np.linalg.norm(np.diff(nodes, axis=0), axis=1).sum() for nodes in (start, end)]
     growth = abs(float(np.diff(np.log(np.maximum(lengths, 1e-30)))[0]))
@@ -97,7 +99,7 @@ def growth_share(start: Points, end: Points, uneven: float) -> float:
 
 
 def unevenness(sample: Points, deformed: Points) -> float:
-    """Standard deviation of the logarithm of the stretch between neighbouring points, (n, 3)."""
+    """Standard deviation of the logarithm of the stretch between (n, 3) points and neighbours."""
     from scipy.spatial import KDTree
 
     chosen = np.arange(0, len(sample), max(len(sample) // POINTS_COMPARED, 1))
@@ -106,4 +108,5 @@ def unevenness(sample: Points, deformed: Points) -> float:
     before = np.linalg.norm(sample[chosen, None] - sample[nearest], axis=2)
     after = np.linalg.norm(deformed[chosen, None] - deformed[nearest], axis=2)
     stretch = np.log(after[before > 0] / before[before > 0] + 1e-6)
-    return float(np.clip(stretch, -2.0, 2.0).std()) if stretch.size else UNEVENNESS_RANGE[1]
+    stretch = np.clip(stretch, -MAX_LOG_STRETCH, MAX_LOG_STRETCH)
+    return float(stretch.std()) if stretch.size else UNEVENNESS_RANGE[1]

@@ -1,12 +1,12 @@
 """Find the attachments of organs and fit their spines.
 
-A leaf whose tip hangs against the stem touches it at both ends. The attachment is the contact that
-moves least through the series.
+A leaf whose tip hangs against the stem touches it at both ends. Its attachment is the contact with
+the parent that moves least through the series.
 """
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,17 +17,18 @@ from baker.interpolation.spine import (
     Spine,
     fit_spine,
     path_lengths,
-    sampled,
+    sample_members,
 )
 from baker.matching.match import Match
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 Cloud = NDArray[np.floating]
 Attachments = dict[int, Cloud]
-"""Organ -> (c, 3) points by which it touches its parent."""
+"""Track id of an organ -> (c, 3) points by which it touches its parent."""
 
-CONTACT_RADIUS = 2.0  # of points that touch the parent, beyond the smallest gap, in point spacings
-MAX_STEP = 3.0  # between neighbouring points of one contact, in point spacings
+# docs/method.md, "Motion of organs"; both in point spacings.
+CONTACT_RADIUS = 2.0  # distance of touching points from the parent, beyond that of the nearest one
+MAX_STEP = 3.0  # distance of neighbouring points of one contact
 
 
 def organ_attachments(
@@ -35,10 +36,10 @@ def organ_attachments(
 ) -> list[Attachments]:
     """Find the attachments of the matched organs in each scan.
 
-    Of all contacts of an organ with its parent, one is chosen in each scan so that they move least
-    through the series, by a shortest path through the scans.
+    One contact of an organ with its parent is chosen in each scan, so that the sum of their
+    distances from scan to scan is least: a shortest path through the scans.
 
-    spacings: point spacing of each scan. matches: of each interval.
+    clouds, spacings: (N, 3) points and point spacing of each scan. matches: of each interval.
     """
     hierarchies = [match.first for match in matches] + [matches[-1].second]
     matched = {match.second.organs[b] for match in matches for _, b in match.pairs}
@@ -46,7 +47,7 @@ def organ_attachments(
     contacts = [_contacts(*scan, matched) for scan in scans]
     chosen: list[Attachments] = [{} for _ in clouds]
     for organ in set().union(*contacts):
-        present = [scan for scan, of_scan in enumerate(contacts) if organ in of_scan]
+        present = [scan for scan in range(len(clouds)) if organ in contacts[scan]]
         candidates = [contacts[scan][organ] for scan in present]
         for scan, contact in zip(present, _least_moving(candidates), strict=True):
             chosen[scan][organ] = contact
@@ -56,7 +57,7 @@ def organ_attachments(
 def _contacts(
     cloud: Cloud, spacing: float, hierarchy: Hierarchy, organs: set[int]
 ) -> dict[int, list[Cloud]]:
-    """Organ -> connected components of its points that touch its parent."""
+    """The contacts of organs with their parents: connected components of the touching points."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import KDTree
@@ -70,11 +71,11 @@ def _contacts(
         if organ not in organs or not is_attached or len(members) < MIN_POINTS_FOR_SPINE:
             continue
         if parent not in trees:
-            trees[parent] = KDTree(cloud[sampled(hierarchy.segments[parent])])
-        own = cloud[sampled(members)].astype(np.float64)
-        step = spacing * (len(members) / len(own)) ** 0.5  # the spacing of the sample
-        gap = trees[parent].query(own)[0]
-        touching = own[gap <= gap.min() + CONTACT_RADIUS * step]
+            trees[parent] = KDTree(cloud[sample_members(hierarchy.segments[parent])])
+        sample = cloud[sample_members(members)].astype(np.float64)
+        step = spacing * (len(members) / len(sample)) ** 0.5  # the spacing of the sample
+        gap = trees[parent].query(sample)[0]
+        touching = sample[gap <= gap.min() + CONTACT_RADIUS * step]
         pairs = KDTree(touching).query_pairs(MAX_STEP * step, output_type="ndarray")
         graph = csr_matrix((np.ones(len(pairs)), pairs.T), (len(touching), len(touching)))
         count, component = connected_components(graph, directed=False)
@@ -83,7 +84,7 @@ def _contacts(
 
 
 def _least_moving(candidates: Sequence[Sequence[Cloud]]) -> list[Cloud]:
-    """One contact of each scan, with the smallest sum of distances between successive ones."""
+    """One contact of each scan, with the least sum of distances between successive contacts."""
     from scipy.spatial.distance import cdist
 
     cost, steps = np.zeros(len(candidates[0])), []
@@ -105,7 +106,7 @@ class OrganShape:
     spine: Spine
     attachment: Points  # (3,)
     lengths: NDArray[np.float64]  # (n,) geodesic distances from the plant base
-    nodes: dict[int, int] = field(default_factory=dict)  # child organ -> point it is attached to
+    nodes: dict[int, int] = field(default_factory=dict)  # child organ -> index of its parent point
 
     @property
     def length(self) -> float:
@@ -120,24 +121,25 @@ def organ_shapes(
     attachments: Attachments,
     segments: Iterable[int],
 ) -> dict[int, OrganShape]:
-    """Fit the spines of segments and their ancestors: by organ, if it has an attachment.
+    """Fit the spines of segments and of their ancestors, as far as they have an attachment.
 
     Geodesic distances are measured from the (3,) plant base through the parents. So the spine of an
     organ with a long contact, like a leaf of grass in its whorl, starts at the contact's lowest
-    point.
+    point. Returns the shapes by track id.
     """
     from scipy.spatial import KDTree
 
     shapes: dict[int, OrganShape] = {}
-    needed = {each for segment in segments for each in (segment, *hierarchy.ancestors(segment))}
-    for segment in hierarchy.from_the_root():
+    lineages = ((segment, *hierarchy.ancestors(segment)) for segment in segments)
+    needed = set(chain.from_iterable(lineages))
+    for segment in hierarchy.parents_first():
         members, parent = hierarchy.segments[segment], hierarchy.parents[segment]
         organ = hierarchy.organs[segment]
         contact = base[None] if parent == NO_PARENT else attachments.get(organ)
         if segment not in needed or len(members) < MIN_POINTS_FOR_SPINE or contact is None:
             continue
         parent_shape = None if parent == NO_PARENT else shapes.get(hierarchy.organs[parent])
-        sample = points[sampled(members)].astype(np.float64)
+        sample = points[sample_members(members)].astype(np.float64)
         seeds = np.unique(KDTree(sample).query(contact)[1])
         offsets = np.zeros(len(seeds))
         if parent_shape is not None:

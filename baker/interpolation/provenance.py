@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from importlib.metadata import distributions
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,7 @@ from baker.scans.formats import READERS, suffix_of
 from baker.segmentation.hierarchy import Hierarchy
 from gclip import Track, __version__
 
-PACKAGES = ("numpy", "scipy", "numba")
+PACKAGES = ("numpy", "scipy", "numba")  # on which the numbers in every clip depend
 
 
 def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -> tuple[Track, ...]:
@@ -87,8 +88,8 @@ def describe_provenance(
     options : Options
         As the user gave them.
     """
-    kept = {scan.time for scan in series.scans}
-    left_out = [scan.name for scan in raw.scans if scan.time not in kept]
+    baked_times = {scan.time for scan in series.scans}
+    left_out = [scan.name for scan in raw.scans if scan.time not in baked_times]
     notes = [f"left out of the bake, only aligned: {', '.join(left_out)}"] if left_out else []
     for scan, hierarchy in zip(series.scans, hierarchies, strict=True):
         notes += [f"{scan.name}: {note}" for note in (*scan.notes, *hierarchy.notes)]
@@ -123,7 +124,7 @@ def software(
     """
     is_mesh = any(READERS.get(suffix_of(path)) == "mesh" for path in scans)
     open3d = ("open3d", "open3d-cpu") if is_mesh or outliers is not None else ()
-    found = [each for name in (*PACKAGES, *open3d) for each in distributions(name=name)]
-    packages = {each.name.removesuffix("-cpu"): each.version for each in found}
+    installed = chain.from_iterable(distributions(name=name) for name in (*PACKAGES, *open3d))
+    packages = {package.name.removesuffix("-cpu"): package.version for package in installed}
     program = {"name": "plant-growth-clips", "version": __version__}
     return {"program": program, "packages": packages}

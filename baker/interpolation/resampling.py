@@ -1,9 +1,9 @@
 """Add movers where they would be sparse at mid-interval.
 
-The number of an organ's movers follows from its points in the scans. So at mid-interval, an organ
-that grows fast is sparser than others, and a new one is denser. Where movers are sparse for their
-area, movers are repeated: with the same start and end, so that the scans are still reproduced
-exactly, but displaced in between.
+The number of an organ's movers is determined by its points in the scans. So at mid-interval, an
+organ that grows fast is sparser than others, and a new one is denser. Where there are few movers
+for their area, some are repeated: with the same start and end, so that the scans are still
+reproduced exactly, but displaced at mid-interval.
 """
 
 from collections.abc import Sequence
@@ -18,8 +18,10 @@ from baker.interpolation.packing import Movers, elevate_degree
 from gclip.evaluate import bernstein
 from gclip.schema import OPTIONAL
 
+# docs/method.md, "Density".
 MAX_OVERHANG = 0.35  # distance of a mover from the mean of its group : square root of its area
 NEIGHBORS = 8  # towards which repetitions of a mover that shares no point are displaced in turn
+DENSEST_SHARE = 20  # one in so many movers is denser than the greatest target density
 
 Floats = NDArray[np.floating]
 Indices = NDArray[np.integer]
@@ -30,10 +32,10 @@ def with_even_density(
 ) -> Movers:
     """Repeat movers where they are sparse, up to `growth` times their number.
 
-    The repeated movers follow the others, on curves of degree 2.
+    All movers then move on curves of degree 2; the repeated ones come last.
 
-    area: (M,) that each mover represents at mid-interval. start_points, end_points: (M,) indices of
-    the points at its ends.
+    area: (M,) area that each mover represents at mid-interval, in squared length units.
+    start_points, end_points: (M,) indices of the points at its ends.
     """
     middle = position_at(movers.curve, 0.5)
     wanted = np.maximum(_target_density(area, growth) * area - 1, 0)
@@ -64,9 +66,9 @@ def position_at(curve: Sequence[Floats], u: float) -> Floats:
 
 
 def _target_density(areas: Floats, growth: float) -> float:
-    """The density, in movers per area, that is reached with `growth` times as many movers.
+    """The density, in movers per area, up to which `growth` times as many movers can be added.
 
-    It is at most that of the densest twentieth, with which all movers are even.
+    It is at most the density that only the densest twentieth of the movers exceeds.
     """
     descending = np.sort(areas)[::-1].astype(float)
     total = np.cumsum(descending)
@@ -74,9 +76,10 @@ def _target_density(areas: Floats, growth: float) -> float:
         return 0.0
     # If the n sparsest movers are filled up, `density * total[n - 1] - n` movers are added.
     candidates = (growth * len(areas) + np.arange(1, len(areas) + 1)) / total
-    # At least the sparsest is filled, even if rounding makes (1 / 49) * 49 less than 1.
+    # At least the sparsest mover is repeated, even if rounding makes (1 / 49) * 49 less than 1.
     last = int(np.flatnonzero(candidates * descending >= 1)[-1:].sum())
-    return float(min(candidates[last], 1 / max(descending[-(len(areas) // 20) - 1], 1e-300)))
+    least = descending[-(len(areas) // DENSEST_SHARE) - 1]
+    return float(min(candidates[last], 1 / max(least, 1e-300)))
 
 
 def _displacements(
@@ -92,7 +95,8 @@ def _displacements(
     away from that mean, by at most `MAX_OVERHANG`, since beyond a tip there are no other movers. A
     mover that shares no point is displaced towards a neighbour.
 
-    middle, width: (M, 3) and (M,) position and width of each mover at mid-interval.
+    middle, width: (M, 3) and (M,) position and width of each mover at mid-interval. repeated,
+    repetition: as `_choose_repeated` returns them.
     """
     from scipy.spatial import KDTree
 
@@ -113,17 +117,17 @@ def _displacements(
 
 
 def _group_means(group: Indices, values: Floats) -> Floats:
-    """(groups, 3) mean of the `values` of each group's movers; NaN for a group without movers."""
+    """(g, 3) mean of the (M, 3) values of each group's movers; NaN for a group without movers."""
     sums = np.stack([np.bincount(group, weights) for weights in values.T], axis=1)
     with np.errstate(invalid="ignore"):
         return sums / np.bincount(group)[:, None]
 
 
 def _choose_repeated(points: Floats, wanted: Floats) -> tuple[Indices, Indices]:
-    """Indices of the movers to repeat, in even steps along the Morton curve.
+    """Indices of the movers to repeat, at even steps along the Morton curve.
 
-    wanted: (N,) the number of repetitions of each mover, as a fraction. Also returns how often each
-    of the chosen movers was chosen before.
+    wanted: (N,) expected number of repetitions of each mover. Also returns how many times each of
+    the chosen movers was chosen before.
     """
     order = morton_order(points)
     total = np.cumsum(wanted[order])

@@ -16,8 +16,8 @@ from baker.interpolation.spine import local_lines, unit
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 MIN_SCANS = 4  # with an organ; in fewer, swaying can't be distinguished from growth
-WINDOW = 9  # number of scans that a local line is fitted to
-ROBUST_ITERATIONS, OUTLIER_RATIO = 4, 6.0  # residual : median, at which the weight is 0
+WINDOW = 9  # number of scans to which a local line is fitted
+ROBUST_ITERATIONS, OUTLIER_RATIO = 4, 6.0  # residual : median residual, at which the weight is 0
 
 
 def smooth_organs(
@@ -29,30 +29,30 @@ def smooth_organs(
     """Rotate every organ about its attachment to its smoothed direction.
 
     Organs in fewer than `MIN_SCANS` scans, and those without an attachment, only move with their
-    parent. Takes and returns the (N, 3) points of each scan.
+    parent. Takes and returns the (N, 3) points of each scan. times: of the scans, in days.
     """
     middles = [{n: contact.mean(axis=0) for n, contact in scan.items()} for scan in attachments]
     rotations: list[dict[int, NDArray[np.float64]]] = [{} for _ in clouds]
     for organ in set().union(*middles):
-        scans = [k for k, of_scan in enumerate(middles) if organ in of_scan]
+        scans = [k for k, contacts in enumerate(middles) if organ in contacts]
         if len(scans) >= MIN_SCANS:
             segments = [hierarchies[k].segments[hierarchies[k].organs.index(organ)] for k in scans]
             centroids = [clouds[k][s].mean(axis=0) for k, s in zip(scans, segments, strict=True)]
             directions = unit(np.array(centroids) - [middles[k][organ] for k in scans])
-            smooth = unit(local_regression(np.array([times[k] for k in scans]), directions))
-            for k, rotation in zip(scans, rotations_between(directions, smooth), strict=True):
+            targets = unit(local_regression(np.array([times[k] for k in scans]), directions))
+            for k, rotation in zip(scans, rotations_between(directions, targets), strict=True):
                 rotations[k][organ] = rotation
     smoothed = [cloud.copy() for cloud in clouds]
-    for cloud, hierarchy, middle, turned in zip(
+    for cloud, hierarchy, middle, organ_rotations in zip(
         smoothed, hierarchies, middles, rotations, strict=True
     ):
         motions = {NO_PARENT: (np.eye(3), np.zeros(3))}
-        for segment in hierarchy.from_the_root():
+        for segment in hierarchy.parents_first():
             rotation, shift = motions[hierarchy.parents[segment]]
             organ, members = hierarchy.organs[segment], hierarchy.segments[segment]
-            if organ in turned:
-                shift = shift + (rotation - turned[organ]) @ middle[organ]
-                rotation = turned[organ]
+            if organ in organ_rotations:
+                shift = shift + (rotation - organ_rotations[organ]) @ middle[organ]
+                rotation = organ_rotations[organ]
             cloud[members] = cloud[members] @ rotation.T + shift
             motions[segment] = rotation, shift
     return smoothed

@@ -8,25 +8,29 @@ from numpy.typing import NDArray
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
 
 Points = NDArray[np.float64]
+Floats = NDArray[np.float64]
 
-LEVELS = 11  # nodes of a spine
-NEIGHBORS = 9  # of the kNN graph
-TIP_QUANTILE = 0.98  # of the geodesic distances, that of the tip; larger ones may be noise
-KERNEL_WIDTH = 0.09  # of a level, in lengths of the spine
+# docs/method.md, "Motion of organs".
+NODES = 11  # number of nodes of a spine
+NEIGHBORS = 9  # of a point in the kNN graph
+TIP_QUANTILE = 0.98  # of the geodesic distances, that of the tip; larger distances may be noise
+KERNEL_WIDTH = 0.09  # standard deviation of the Gaussian around a node, in lengths of the spine
+WEIGHT_FLOOR = 1e-12  # least weight of a point, so that no node is without points
+RIDGE = 1e-4  # of the local lines, in squared kernel widths
 MAX_SAMPLE = 400  # points of an organ to which its spine is fitted
-MIN_POINTS_FOR_SPINE = 12
+MIN_POINTS_FOR_SPINE = 12  # of an organ
 
 
 @dataclass(frozen=True)
 class Spine:
     """A curve from an organ's attachment (along = 0) to its tip (along = 1)."""
 
-    nodes: Points  # (LEVELS, 3) at even steps along the spine
-    tangents: Points  # (LEVELS, 3) unit vectors towards the tip
+    nodes: Points  # (NODES, 3) at even steps along the spine
+    tangents: Points  # (NODES, 3) unit vectors towards the tip
     along: NDArray[np.float64]  # (n,) position of each of the organ's points, 0 to 1
 
 
-def sampled(members: NDArray[np.intp]) -> NDArray[np.intp]:
+def sample_members(members: NDArray[np.intp]) -> NDArray[np.intp]:
     """A random sample of at most MAX_SAMPLE of an organ's points, the same in every call."""
     if len(members) <= MAX_SAMPLE:
         return members
@@ -34,10 +38,8 @@ def sampled(members: NDArray[np.intp]) -> NDArray[np.intp]:
     return members[np.sort(chosen)]
 
 
-def path_lengths(
-    points: Points, seeds: NDArray[np.intp], offsets: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """(n,) geodesic distances from seeds with offsets, minus the smallest offset."""
+def path_lengths(points: Points, seeds: NDArray[np.intp], offsets: Floats) -> Floats:
+    """(n,) geodesic distances from seeds, to whose (s,) offsets they add, less the least offset."""
     graph = connected_knn_graph(points, NEIGHBORS)
     return geodesic_distances(graph, seeds, offsets - offsets.min())
 
@@ -49,19 +51,20 @@ def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:
     """
     length = float(np.quantile(lengths, TIP_QUANTILE)) or 1.0
     along = np.clip(lengths / length, 0.0, 1.0)
-    lag = along[None, :] - levels()[:, None]
-    weight = np.exp(-0.5 * (lag / KERNEL_WIDTH) ** 2) + 1e-12
-    nodes, slopes = local_lines(weight, lag, points, 1e-4 * KERNEL_WIDTH**2)
+    lag = along[None, :] - node_positions()[:, None]
+    weight = np.exp(-0.5 * (lag / KERNEL_WIDTH) ** 2) + WEIGHT_FLOOR
+    nodes, slopes = local_lines(weight, lag, points, RIDGE * KERNEL_WIDTH**2)
     return Spine(nodes, unit(slopes), along)
 
 
 def local_lines(
     weights: NDArray[np.float64], lag: NDArray[np.float64], values: Points, ridge: float
 ) -> tuple[Points, Points]:
-    """Fit a line to (n, d) values by weighted least squares around each of m places.
+    """Fit a line to (n, d) values by weighted least squares around each of m positions.
 
-    weights, lag: (m, n) of the values, and how far they are beyond each place. ridge: is added to
-    the variance of the lag, so that it is never 0. Returns (m, d) values and slopes at the places.
+    weights, lag: (m, n) weights of the values, and their positions minus each of the m. ridge: is
+    added to the variance of the lag, so that it is never 0. Returns the (m, d) values and slopes of
+    the lines at the m positions.
     """
     weights = weights / weights.sum(axis=1, keepdims=True)
     mean_lag = (weights * lag).sum(axis=1, keepdims=True)
@@ -71,15 +74,15 @@ def local_lines(
     return weights @ values - mean_lag * slopes, slopes
 
 
-def levels() -> NDArray[np.float64]:
-    """(LEVELS,) positions of the nodes along a spine."""
-    return np.linspace(0.0, 1.0, LEVELS)
+def node_positions() -> Floats:
+    """(NODES,) positions of the nodes along a spine."""
+    return np.linspace(0.0, 1.0, NODES)
 
 
-def at_levels(values: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Interpolate (LEVELS, ...) values of the nodes linearly at (n,) positions along the spine."""
-    position = np.clip(along, 0.0, 1.0) * (LEVELS - 1)
-    lower = np.minimum(position.astype(np.intp), LEVELS - 2)
+def interpolate_nodes(values: Floats, along: Floats) -> Floats:
+    """Interpolate (NODES, ...) values of the nodes linearly at (n,) positions along the spine."""
+    position = np.clip(along, 0.0, 1.0) * (NODES - 1)
+    lower = np.minimum(position.astype(np.intp), NODES - 2)
     share = (position - lower).reshape(-1, *[1] * (values.ndim - 1))
     return (1.0 - share) * values[lower] + share * values[lower + 1]
 

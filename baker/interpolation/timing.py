@@ -21,10 +21,11 @@ MIN_COSINE, FULL_COSINE = 0.9, 1.0
 MIN_MEDIAN_COSINE = 0.95
 MAX_OFFSET = 0.25  # in displacements; with more, a curve of degree 2 would turn back
 MIN_DISPLACEMENT = 1.0  # in point spacings, of organs that have a direction of motion
-MIN_SHIFT = 0.1  # in point spacings; smaller ones can't be seen
-MIN_POINTS_FOR_RADIUS = 20
+MIN_SHIFT = 0.1  # in point spacings; smaller shifts are not visible
+MIN_POINTS_FOR_RADIUS = 20  # of an organ whose growth is measured
 
 Floats = NDArray[np.float64]
+Clouds = Sequence[NDArray[np.floating]]
 
 
 @dataclass(frozen=True)
@@ -42,15 +43,12 @@ class Timing:
 
 
 def organ_timings(
-    clouds: Sequence[NDArray[np.floating]],
-    matches: Sequence[Match],
-    times: Sequence[float],
-    spacing: float,
+    clouds: Clouds, matches: Sequence[Match], times: Sequence[float], spacing: float
 ) -> list[dict[int, Timing]]:
     """Estimate how far organs are beyond the middle of their paths at mid-interval.
 
-    spacing: point spacing of the scans. Returns a timing by organ for each interval; organs that
-    move evenly are left out.
+    clouds, times, spacing: (N, 3) points and day of each scan, and their point spacing. matches: of
+    each interval. Returns the timings of each interval by organ, without organs that move evenly.
 
     References
     ----------
@@ -76,9 +74,7 @@ def organ_timings(
     ]
 
 
-def _changes(
-    clouds: Sequence[NDArray[np.floating]], matches: Sequence[Match]
-) -> tuple[Floats, Floats]:
+def _changes(clouds: Clouds, matches: Sequence[Match]) -> tuple[Floats, Floats]:
     """(K, M, 3) displacements of the centroids and (K, M, 1) increases of the radii of M organs.
 
     They are NaN in intervals in which an organ is not matched or too small.
@@ -104,7 +100,9 @@ def _offsets(changes: Floats, spans: Floats, limit: float) -> Floats:
 
     A cubic path from 0 to 1 is at 1/2 + (v - w) / 8 in the middle, with speeds v and w at its ends.
     At the ends of the series, the acceleration is continued from the other scan of the interval, up
-    to `limit`. It is 0 where nothing is known.
+    to `limit`. The offset is 0 where no speed is known.
+
+    spans: (K,) durations of the intervals in days.
     """
     speed, span = np.linalg.norm(changes, axis=2) / spans[:, None], spans[:, None]
     weight, next_weight = span[:-1] + 2 * span[1:], 2 * span[:-1] + span[1:]
@@ -113,8 +111,8 @@ def _offsets(changes: Floats, spans: Floats, limit: float) -> Floats:
         mean = (weight + next_weight) / (weight / speed[:-1] + next_weight / speed[1:])
         # Relative to the speed in the interval before, and in the one after the scan.
         before, after = (
-            np.where(speed[:-1] * speed[1:] == 0, 0.0, trust * (mean / each - 1))
-            for each in (speed[:-1], speed[1:])
+            np.where(speed[:-1] * speed[1:] == 0, 0.0, trust * (mean / adjacent - 1))
+            for adjacent in (speed[:-1], speed[1:])
         )
     unknown = np.full((1, speed.shape[1]), np.nan)
     first, last = np.concatenate([unknown, after]), np.concatenate([before, unknown])

@@ -1,8 +1,9 @@
 """Apply the corrections of users to the organs of a series.
 
-A cut, and a correction with two places in one scan, changes the organs of that scan before they are
-tracked. A "same" or "different" of two scans constrains the tracking, which may also correct the
-neighbours of these organs, and is enforced on the labels afterwards.
+Corrections of kind "cut", and those with two places in one scan, change the organs of that scan
+before organs are tracked. Corrections of kind "same" or "different" with places in two scans are
+constraints of the tracking, which may also correct neighbouring organs, and are enforced on the
+labels afterwards.
 """
 
 from collections import Counter
@@ -21,10 +22,11 @@ from baker.scans import Finding, Series
 from corrections import Correction, Corrections, Place
 
 Labels = NDArray[np.int64]
+Mask = NDArray[np.bool_]
 
-MAX_DISTANCE = 20.0  # from a place to the nearest point of the scan, in point spacings
-MAX_POINTS_CUT = 5000  # of an organ, in the graph whose minimum cut is computed
-SEED_SHARE = 0.4  # of the distance of two places, within which points belong to the nearer one
+MAX_DISTANCE = 20.0  # point spacings from a place to the nearest point of the scan
+MAX_POINTS_CUT = 5000  # number of points of an organ in the graph whose minimum cut is computed
+SEED_SHARE = 0.4  # of the geodesic distance of two places: points within it belong to the place
 
 
 @dataclass(frozen=True)
@@ -70,9 +72,10 @@ def locate_corrections(
         If a scan is not in the series, or a place is far from its points.
     """
     numbers = {scan.name: k for k, scan in enumerate(series.scans)}
-    known, located = [scan.name for scan in raw.scans], []
+    scan_names, located = [scan.name for scan in raw.scans], []
 
-    def point(place: Place, title: str) -> tuple[int, int]:
+    def locate(place: Place, title: str) -> tuple[int, int]:
+        """The numbers of a place's scan and of the point nearest to the place."""
         k = numbers[place.scan]
         scan = series.scans[k]
         offsets = scan.points + (scan.origin - scale * np.array(place.point))
@@ -88,22 +91,22 @@ def locate_corrections(
         return k, nearest
 
     source = f" of '{corrections.file}'" if isinstance(corrections, Corrections) else ""
-    for number, each in enumerate(corrections, start=1):
-        title = f"Correction {number} ({each.kind}){source}"
-        if unknown := [place.scan for place in each.places if place.scan not in known]:
+    for number, correction in enumerate(corrections, start=1):
+        title = f"Correction {number} ({correction.kind}){source}"
+        if unknown := [place.scan for place in correction.places if place.scan not in scan_names]:
             raise InputError(
                 f"{title} names the scan '{unknown[0]}', which is not in the series; "
-                f"these are: {', '.join(known)}."
+                f"these are: {', '.join(scan_names)}."
             )
-        if all(place.scan in numbers for place in each.places):
-            places = tuple(sorted((point(p, title) for p in each.places), key=itemgetter(0)))
-            located.append(PointCorrection(title, each.kind, places, each.name))
+        if all(place.scan in numbers for place in correction.places):
+            places = tuple(sorted((locate(p, title) for p in correction.places), key=itemgetter(0)))
+            located.append(PointCorrection(title, correction.kind, places, correction.name))
     return tuple(located)
 
 
 def corrections_finding(corrections: Sequence[Correction]) -> Finding:
-    """A finding that counts the corrections of each kind."""
-    counts = Counter(each.kind for each in corrections)
+    """Make a finding that counts the corrections of each kind."""
+    counts = Counter(correction.kind for correction in corrections)
     kinds = ", ".join(f"{count} {kind}" for kind, count in counts.items())
     return Finding("organs", f"put right by hand: {kinds}")
 
@@ -117,7 +120,8 @@ def with_corrected_organs(
     ----------
     labels : sequence of (N,) int64
         The organ of each point of each scan.
-    aligned, corrections : AlignedSeries, sequence of PointCorrection
+    aligned : AlignedSeries
+    corrections : sequence of PointCorrection
 
     Returns
     -------
@@ -125,38 +129,41 @@ def with_corrected_organs(
         Parts that are cut off have new labels.
     """
     corrected = list(labels)
-    for each in sorted(corrections, key=lambda correction: correction.kind != "cut"):
-        (k, point), (_, other) = each.places[0], each.places[-1]
+    for correction in sorted(corrections, key=lambda item: item.kind != "cut"):
+        (k, point), (_, second_point) = correction.places[0], correction.places[-1]
         organs = corrected[k]
         organ = organs == organs[point]
-        if each.kind == "cut":
-            part = _beyond(aligned, k, organ, point, each.title)
-            corrected[k] = np.where(part, _unused(corrected), organs)
-        elif each.spans_scans or each.kind == "name":
+        if correction.kind == "cut":
+            part = _distal_part(aligned, k, organ, point, correction.title)
+            corrected[k] = np.where(part, _unused_label(corrected), organs)
+        elif correction.spans_scans or correction.kind == "name":
             continue
-        elif each.kind == "same":
-            corrected[k] = np.where(organs == organs[other], organs[point], organs)
-        elif organ[other]:
-            part = _minimum_cut(aligned.clouds[k], organ, (point, other))
-            corrected[k] = np.where(part, _unused(corrected), organs)
+        elif correction.kind == "same":
+            corrected[k] = np.where(organs == organs[second_point], organs[point], organs)
+        elif organ[second_point]:
+            part = _minimum_cut(aligned.clouds[k], organ, (point, second_point))
+            corrected[k] = np.where(part, _unused_label(corrected), organs)
     return corrected
 
 
-def _unused(labels: Sequence[Labels]) -> int:
-    """A label above all others."""
+def _unused_label(labels: Sequence[Labels]) -> int:
+    """The smallest label that is greater than all labels of the scans."""
     return 1 + max(int(organs.max()) for organs in labels)
 
 
-def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -> list[Labels]:
+def with_corrected_links(
+    labels: Sequence[Labels], corrections: Sequence[PointCorrection]
+) -> list[Labels]:
     """Apply the corrections with places in two scans to labels that are consistent.
 
-    From the later scan on, two organs that are the same exchange labels with the organs that had
-    them, and an organ that is a different one gets a new label.
+    From the later scan on, an organ that is the same as an earlier one swaps labels with the organ
+    that has the earlier one's label, and an organ that is a different one gets a new label.
 
     Parameters
     ----------
-    labels, corrections : sequences of (N,) int64 and PointCorrection
-        The organ of each point of each scan, and what is to be corrected.
+    labels : sequence of (N,) int64
+        The organ of each point of each scan.
+    corrections : sequence of PointCorrection
 
     Raises
     ------
@@ -165,31 +172,31 @@ def relinked(labels: Sequence[Labels], corrections: Sequence[PointCorrection]) -
     """
     corrected = list(labels)
     links = sorted((c for c in corrections if c.spans_scans), key=lambda c: c.places[1][0])
-    for each in links:
-        (k, point), (later, other) = each.places
-        a, b = corrected[k][point], corrected[later][other]
-        if (a == b) == (each.kind == "same"):
+    for correction in links:
+        (k, point), (later, later_point) = correction.places
+        a, b = corrected[k][point], corrected[later][later_point]
+        if (a == b) == (correction.kind == "same"):
             continue
-        b = b if each.kind == "same" else _unused(corrected)
+        b = b if correction.kind == "same" else _unused_label(corrected)
         for scan in range(later, len(corrected)):
             organs = corrected[scan]
             corrected[scan] = np.where(organs == a, b, np.where(organs == b, a, organs))
-    for each in (c for c in corrections if len(c.places) == 2):
-        (k, point), (later, other) = each.places
-        if (corrected[k][point] == corrected[later][other]) != (each.kind == "same"):
-            raise InputError(f"{each.title} contradicts the others; take one of them out.")
+    for correction in (c for c in corrections if len(c.places) == 2):
+        (k, point), (later, later_point) = correction.places
+        if (corrected[k][point] == corrected[later][later_point]) != (correction.kind == "same"):
+            raise InputError(f"{correction.title} contradicts the others; take one of them out.")
     return corrected
 
 
 def organ_names(
     labels: Sequence[Labels], corrections: Sequence[PointCorrection]
 ) -> dict[int, PointCorrection]:
-    """Label -> the last correction that names the organ.
+    """The last correction that names an organ, by the organ's label.
 
     labels: (N,) int organs of each scan, with consistent labels.
     """
-    names = (each for each in corrections if each.kind == "name")
-    return {int(labels[k][point]): each for each in names for k, point in each.places}
+    named = (correction for correction in corrections if correction.kind == "name")
+    return {int(labels[k][point]): item for item in named for k, point in item.places}
 
 
 def confirmed_organs(
@@ -199,7 +206,7 @@ def confirmed_organs(
 
     labels: (N,) int organs of each scan, with consistent labels.
     """
-    same = [each.places for each in corrections if each.kind == "same" and each.spans_scans]
+    same = [item.places for item in corrections if item.kind == "same" and item.spans_scans]
     return frozenset(
         (interval, int(labels[k][point]))
         for (k, point), (later, _) in same
@@ -207,38 +214,37 @@ def confirmed_organs(
     )
 
 
-def _beyond(
-    aligned: AlignedSeries, scan: int, organ: NDArray[np.bool_], point: int, title: str
-) -> NDArray[np.bool_]:
-    """(N,) the part of an organ connected to a point and at least as far from the plant base."""
+def _distal_part(aligned: AlignedSeries, scan: int, organ: Mask, point: int, title: str) -> Mask:
+    """(N,) the part of an organ that a cut at a point separates from the plant base.
+
+    Its points are at least as far from the plant base as that point, and connected to it.
+    """
     from scipy.sparse.csgraph import connected_components
 
     cloud, base = aligned.clouds[scan], aligned.bases[scan]
     graph = connected_knn_graph(cloud, NEIGHBORS, aligned.neighbors[scan])
     distance = geodesic_distances(graph, np.array([base]))
-    beyond = np.flatnonzero(organ & (distance >= distance[point]))
-    _, component = connected_components(graph[beyond][:, beyond], directed=False)
+    distal = np.flatnonzero(organ & (distance >= distance[point]))
+    _, component = connected_components(graph[distal][:, distal], directed=False)
     part = np.zeros(len(cloud), bool)
-    part[beyond[component == component[np.searchsorted(beyond, point)]]] = True
+    part[distal[component == component[np.searchsorted(distal, point)]]] = True
     if part.sum() == organ.sum():
         raise InputError(f"{title}: all of the organ is as far from the plant's base, or farther.")
     return part
 
 
-def _minimum_cut(
-    cloud: NDArray[np.floating], organ: NDArray[np.bool_], places: tuple[int, int]
-) -> NDArray[np.bool_]:
+def _minimum_cut(cloud: NDArray[np.floating], organ: Mask, places: tuple[int, int]) -> Mask:
     """(N,) the part of an organ on the side of the second place, by a minimum cut of its kNN graph.
 
-    Points within `SEED_SHARE` of the distance between the places belong to the nearer one.
+    Points within `SEED_SHARE` of the distance between the places are linked to the nearer place.
     """
     from scipy.sparse import block_array, csr_array
     from scipy.sparse.csgraph import breadth_first_order, maximum_flow
     from scipy.spatial import KDTree
 
     points = np.flatnonzero(organ)
-    others = np.random.default_rng(0).permutation(np.setdiff1d(points, places))
-    sample = cloud[[*places, *others[:MAX_POINTS_CUT]]]
+    candidates = np.random.default_rng(0).permutation(np.setdiff1d(points, places))
+    sample = cloud[[*places, *candidates[:MAX_POINTS_CUT]]]
     graph = connected_knn_graph(sample, NEIGHBORS)
     distance = np.stack([geodesic_distances(graph, np.array([place])) for place in (0, 1)], axis=1)
     count, is_certain = len(sample), distance <= SEED_SHARE * distance[1, 0]

@@ -7,17 +7,17 @@ from numpy.typing import NDArray
 
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
-SAMPLE_SIZE = 128  # points of an organ from which its descriptors are computed
-ATTACHMENT_POINTS = 5  # the points nearest to the parent, whose mean is the attachment point
+SAMPLE_SIZE = 128  # number of points of an organ from which its descriptors are computed
+ATTACHMENT_POINTS = 5  # number of points nearest to the parent; their mean is the attachment point
 ORDER_SOFTNESS = 0.025  # width of the step between "above" and "below", in organ sizes
-ORDERED_ORGANS = 10  # in plants of more organs, their order along the stem is scaled down
+ORDERED_ORGANS = 10  # number of organs; in larger plants, the order along the stem is scaled down
 
 
 @dataclass(frozen=True)
 class OrganDescriptors:
     """Descriptors of the n organs of a scan, in its unit of length."""
 
-    samples: list[NDArray[np.float64]]  # (s, 3) points of each organ, s <= `SAMPLE_SIZE`
+    samples: list[NDArray[np.float64]]  # n arrays of (s, 3) points, s <= `SAMPLE_SIZE`
     attachments: NDArray[np.float64]  # (n, 3) attachment points; of the root, the plant base
     sizes: NDArray[np.float64]  # (n,) root mean square distances from the attachment points
     directions: NDArray[np.float64]  # (n, 3) unit vectors from there to the centroids
@@ -45,7 +45,7 @@ class OrganDescriptors:
         )
 
     def largest(self, count: int) -> "OrganDescriptors":
-        """The `count` largest organs, in their order."""
+        """The `count` largest organs, in the order of this object."""
         kept = np.sort(np.argsort(-self.sizes, kind="stable")[:count])
         arrays = ("attachments", "sizes", "directions", "order", "height")
         return replace(
@@ -74,7 +74,8 @@ def describe_organs(
     OrganDescriptors
     """
     members, root, parents = _organs(hierarchy, root_point)
-    samples = [cloud[each[:: -(-len(each) // SAMPLE_SIZE)]].astype(np.float64) for each in members]
+    steps = [-(-len(segment) // SAMPLE_SIZE) for segment in members]
+    samples = [cloud[s[::k]].astype(np.float64) for s, k in zip(members, steps, strict=True)]
     base = cloud[root_point].astype(np.float64)
     attachments = np.array(
         [
@@ -102,19 +103,20 @@ def describe_organs(
 
 
 def _organs(hierarchy: Hierarchy, root_point: int) -> tuple[list[NDArray[np.intp]], int, list[int]]:
-    """The points of the segments that have any, the index of the root among them, their parents.
+    """The segments that have points, the index of the root among them, and their parents.
 
     The root is the segment with the root point; children of a virtual root become its children.
     """
     members = [segment for segment in hierarchy.segments if len(segment)]
     root = next(index for index, points in enumerate(members) if root_point in points)
-    of_members = hierarchy.parents[: len(members)]  # a virtual root is the last segment
-    parents = [parent if 0 <= parent < len(members) else root for parent in of_members]
+    segment_parents = hierarchy.parents[: len(members)]  # a virtual root is the last segment
+    parents = [parent if 0 <= parent < len(members) else root for parent in segment_parents]
     parents[root] = NO_PARENT
     return members, root, parents
 
 
 def _attachment(sample: NDArray[np.float64], parent: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(3,) mean of the points of an organ that are nearest to the points of its parent."""
     from scipy.spatial import KDTree
 
     distances = KDTree(parent).query(sample)[0]
@@ -125,9 +127,9 @@ def _attachment(sample: NDArray[np.float64], parent: NDArray[np.float64]) -> NDA
 def _is_stem(root: int, parents: list[int]) -> bool:
     """Whether the root seems to be a stem, and not one of several overlapping leaves."""
     children = np.bincount([p for p in parents if p != NO_PARENT], minlength=len(parents))
-    most = np.delete(children, root).max(initial=0)
+    highest = np.delete(children, root).max(initial=0)
     has_one_parent = (children > 0).sum() <= 1
-    return bool(has_one_parent or children[root] > most or most > 0.5 * (len(parents) - 1))
+    return bool(has_one_parent or children[root] > highest or highest > 0.5 * (len(parents) - 1))
 
 
 def _order_along_stem(

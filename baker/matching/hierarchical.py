@@ -24,9 +24,10 @@ def match_hierarchies(
 ) -> tuple[Hierarchy, list[tuple[int, int]]]:
     """Match the segment hierarchies of two scans from the roots down.
 
-    distance: of two segments, (n, 3) and (m, 3). report_matched: is called with the number of
-    segments of the second scan that are matched or merged. Returns the second hierarchy after
-    merging, and the pairs of matched segments; all others are born or lost.
+    points: (N, 3) and (M, 3). distance: of two segments, (n, 3) and (m, 3), in length units.
+    report_matched: called with the number of segments of the second scan that are matched or
+    merged. Returns the second hierarchy after merging, and the pairs of matched segments; all
+    others are born or lost.
     """
     first, second = hierarchies
     groups: dict[int, list[int]] = {}  # matched segment -> itself and the segments merged into it

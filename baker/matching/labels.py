@@ -23,36 +23,36 @@ Points = NDArray[np.floating]
 Labels = NDArray[np.int64]
 
 # A scan with more labels is refused: they are not organs, and matching them would take hours.
-MOST_ORGANS = 1000
+MAX_ORGANS = 1000
 # Labels are consistent if they agree so much beyond chance. In twenty series with consistent
 # labels the agreement is 0.86 or more; with their labels shuffled -0.6 to 0.5.
 MIN_AGREEMENT = 0.5
-DOUBTFUL_AGREEMENT = (0.3, 0.75)
+DOUBTFUL_AGREEMENT = (0.3, 0.75)  # range in which the user is asked to check
 MIN_SHARED = 0.5  # share of labels that two successive scans have in common, if consistent
 
 
 @dataclass(frozen=True)
 class LabelUse:
-    """The labels to bake with."""
+    """The labels to bake with, and how they are used."""
 
     labels: tuple[Labels | None, ...]  # (N,) of each scan, None where it has no labels
     consistent: bool  # whether an organ has the same label in all scans
     findings: tuple[Finding, ...] = ()
-    renamed: bool = False  # whether they are track numbers, not the labels of the scans
+    renamed: bool = False  # whether labels are track numbers, not those of the scans
     unlabelled: bool = False  # whether all organs were found without labels
-    names: Mapping[int, PointCorrection] = field(default_factory=dict)  # by label
+    names: Mapping[int, PointCorrection] = field(default_factory=dict)  # by label, see organ_names
 
     @property
     def are_names(self) -> bool:
-        """Whether the labels of the scans identify organs."""
+        """Whether the labels in the files identify organs."""
         return self.consistent and not self.renamed
 
     @property
-    def given(self) -> list[Labels]:
-        """The labels of the scans that have labels."""
+    def available(self) -> list[Labels]:
+        """(N,) labels of the scans that have labels."""
         return [organs for organs in self.labels if organs is not None]
 
-    def with_given(self, corrected: Sequence[Labels]) -> "LabelUse":
+    def with_available(self, corrected: Sequence[Labels]) -> "LabelUse":
         """Replace the labels of the scans that have labels."""
         pairs = zip(self.labels, corrected, strict=True)
         return replace(self, labels=tuple(None if old is None else new for old, new in pairs))
@@ -82,48 +82,48 @@ def label_policy(
     Returns
     -------
     LabelUse
-        Independent labels are left unchanged; `follow_labels` makes them consistent.
+        Independent labels are left unchanged; `with_tracked_labels` makes them consistent.
 
     Raises
     ------
     InputError
-        If labels are requested but no scan has any, or a scan has more than `MOST_ORGANS`.
+        If labels are requested but no scan has any, or a scan has more than `MAX_ORGANS`.
     """
-    given = [k for k, organs in enumerate(labels) if organs is not None]
-    if not given and requested in ("consistent", "independent"):
+    labelled_scans = [k for k, organs in enumerate(labels) if organs is not None]
+    if not labelled_scans and requested in ("consistent", "independent"):
         raise InputError(f"The scans have no labels; --labels {requested} needs them.")
-    if not given or requested == "ignore":
-        found = "none; organs are found and followed by their shapes"
-        finding = Finding("labels", "not used, as asked" if requested == "ignore" else found)
+    if not labelled_scans or requested == "ignore":
+        absent = "none; organs are found and followed by their shapes"
+        finding = Finding("labels", "not used, as asked" if requested == "ignore" else absent)
         return LabelUse((None,) * len(labels), False, (finding,))
-    present = [np.asarray(labels[k]) for k in given]
+    present = [np.asarray(labels[k]) for k in labelled_scans]
     counts = [len(np.unique(organs)) for organs in present]
-    for k, count in zip(given, counts, strict=True):
-        if count > MOST_ORGANS:
+    for k, count in zip(labelled_scans, counts, strict=True):
+        if count > MAX_ORGANS:
             raise InputError(
-                f"'{names[k]}' has {count} different labels, but at most {MOST_ORGANS} can be "
+                f"'{names[k]}' has {count} different labels, but at most {MAX_ORGANS} can be "
                 "organs of a plant; choose another field with --label-field, or read the scans "
                 "without labels (--labels ignore)."
             )
     consistent, doubt, option = requested == "consistent", "", ""
     if requested == "auto":
-        bases = [root_points[k] for k in given]
-        agreement = label_agreement([clouds[k] for k in given], present, bases)
+        bases = [root_points[k] for k in labelled_scans]
+        agreement = label_agreement([clouds[k] for k in labelled_scans], present, bases)
         consistent = agreement >= MIN_AGREEMENT
         if DOUBTFUL_AGREEMENT[0] < agreement < DOUBTFUL_AGREEMENT[1]:
             doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
             option = f"--labels {'independent' if consistent else 'consistent'}"
     few, many = min(counts), max(counts)
-    found = f"'{field}', " if field else ""
-    found += f"{few} to {many} organs" if many > few else f"{few} organ{'s' * (few > 1)}"
-    found += ", the same ones in all scans" if consistent else ", numbered anew in every scan"
-    found += ", as asked" if requested != "auto" else ""
-    if missing := len(labels) - len(given):
-        found += f"; found by shape in {missing} of {len(labels)} scans, without labels"
-    return LabelUse(tuple(labels), consistent, (Finding("labels", found, doubt, option),))
+    description = f"'{field}', " if field else ""
+    description += f"{few} to {many} organs" if many > few else f"{few} organ{'s' * (few > 1)}"
+    description += ", the same ones in all scans" if consistent else ", numbered anew in every scan"
+    description += ", as asked" if requested != "auto" else ""
+    if missing := len(labels) - len(labelled_scans):
+        description += f"; found by shape in {missing} of {len(labels)} scans, without labels"
+    return LabelUse(tuple(labels), consistent, (Finding("labels", description, doubt, option),))
 
 
-def follow_labels(
+def with_tracked_labels(
     use: LabelUse,
     clouds: Sequence[Points],
     hierarchies: Sequence[Hierarchy],
@@ -142,11 +142,11 @@ def follow_labels(
     Returns
     -------
     LabelUse
-        With the track number of every point; an organ that one scan cuts finer than its neighbours
-        is one organ. If labels are consistent and only missing in some scans, an organ there gets
-        the label of its track in the nearest scan with labels.
+        With the track number of every point; parts of an organ that only one scan divides are
+        merged. If labels are consistent and only missing in some scans, an organ in such a scan
+        gets the label of its track in the nearest scan with labels.
     """
-    unlabelled = not use.given
+    unlabelled = not use.available
     tracks = track_organs(clouds, hierarchies, root_points, unlabelled, corrections)
     if use.consistent:
         return replace(use, labels=tuple(_complete_labels(use.labels, tracks)))
@@ -164,14 +164,14 @@ def follow_labels(
 
 def _complete_labels(labels: Sequence[Labels | None], tracks: Sequence[Labels]) -> list[Labels]:
     """Label the scans without labels by their tracks."""
-    given = {scan: organs for scan, organs in enumerate(labels) if organs is not None}
-    unused = 1 + max(int(organs.max()) for organs in given.values())
+    by_scan = {scan: organs for scan, organs in enumerate(labels) if organs is not None}
+    unused = 1 + max(int(organs.max()) for organs in by_scan.values())
     completed = []
     for k, (own, track) in enumerate(zip(labels, tracks, strict=True)):
         if own is None:
             names: dict[int, int] = {}
-            for scan in sorted(given, key=lambda scan: -abs(scan - k)):  # the nearest last
-                names |= zip(tracks[scan].tolist(), given[scan].tolist(), strict=True)
+            for scan in sorted(by_scan, key=lambda scan: -abs(scan - k)):  # the nearest last
+                names |= zip(tracks[scan].tolist(), by_scan[scan].tolist(), strict=True)
             own = np.array([names.get(number, unused + number) for number in track.tolist()])
         completed.append(own)
     return completed
@@ -182,10 +182,11 @@ def label_agreement(
 ) -> float:
     """Agreement of labels from scan to scan beyond chance, by the distances of organs' centroids.
 
-    It is 1 if no other labels would reduce the distances between organs of the same label in
-    successive scans, and 0 if random labels would give the same distances (like Cohen's kappa). The
-    stem is left out if it has the same label in most scans: it is often 0 even if other labels are
-    random.
+    It is (chance - observed) / (chance - best) for the sum of the distances between organs of the
+    same label in successive scans, its mean for random labels, and its minimum, as Cohen's kappa
+    counts agreement. The stem is left out if it has the same label in most scans: that is often 0
+    even if the labels of other organs are random. The agreement is 0 if successive scans have too
+    few labels in common.
     """
     from scipy.optimize import linear_sum_assignment
     from scipy.spatial.distance import cdist
@@ -195,20 +196,20 @@ def label_agreement(
     stem = {int(values[np.argmax(counts)])} if 2 * counts.max() > len(labels) else set()
     scans = []
     for cloud, organs in zip(clouds, labels, strict=True):
-        names, members = split_by_label(organs)
+        distinct, members = split_by_label(organs)
         centroids = (cloud.take(indices, axis=0).mean(axis=0) for indices in members)
-        scans.append(dict(zip(names, centroids, strict=True)))
-    given = chance = best = 0.0
+        scans.append(dict(zip(distinct, centroids, strict=True)))
+    observed = chance = best = 0.0
     shared = possible = 0
     for first, second in pairwise(scans):
-        both = sorted((first.keys() & second.keys()) - stem)
-        shared += len(both)
+        common = sorted((first.keys() & second.keys()) - stem)
+        shared += len(common)
         possible += min(len(scan.keys() - stem) for scan in (first, second))
-        if both:
-            distances = cdist([first[name] for name in both], [second[name] for name in both])
-            given += float(np.trace(distances))
-            chance += float(distances.mean()) * len(both)
+        if common:
+            distances = cdist([first[name] for name in common], [second[name] for name in common])
+            observed += float(np.trace(distances))
+            chance += float(distances.mean()) * len(common)
             best += float(distances[linear_sum_assignment(distances)].sum())
     if shared < MIN_SHARED * possible:
         return 0.0
-    return (chance - given) / (chance - best) if chance > best else 1.0
+    return (chance - observed) / (chance - best) if chance > best else 1.0

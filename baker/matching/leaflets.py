@@ -26,8 +26,8 @@ MAX_RATIO = 3.0  # of the shares of the organ's points that matched leaflets hav
 MIN_PAIRS = 3  # of matched leaflets; with fewer, the organ is transported as a whole
 MAX_GROWTH = 5.0  # ratio of a leaflet's distances from the attachment point
 MIN_COSINE = -0.5  # of the angle of candidate rotations
-ROTATIONS_REFINED = 6
-MAX_REFINEMENTS = 3
+ROTATIONS_REFINED = 6  # number of candidate rotations whose pairs are refined by an affine map
+MAX_REFINEMENTS = 3  # number of affine maps that are fitted in turn
 RIDGE = 0.5  # regularisation of the affine map, as a share of the leaflets' variance
 MAX_SCORES = 2_000_000  # of pairs of leaflets, for all candidate rotations
 MAJORITY = 0.5  # share of the points of an unmatched leaflet that decides which pair it joins
@@ -40,7 +40,7 @@ class LeafletPair:
 
     start: Indices  # (n,) indices of its points in the first scan, within the organ
     end: Indices  # (m,) likewise in the second scan
-    registered: tuple[Points, Points] | None = None  # positions for the cost, if not the scans'
+    registered: tuple[Points, Points] | None = None  # positions from which costs are computed
 
 
 def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> list[LeafletPair]:
@@ -85,15 +85,16 @@ def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> 
 
 @dataclass(frozen=True)
 class _Leaflets:
-    """Centroids (k, 3), radii, numbers of points and shares of the organ's points, (k,) each."""
+    """The k leaflets of an organ in one scan."""
 
-    centroid: Floats
-    radius: Floats
-    count: Floats
-    share: Floats
+    centroid: Floats  # (k, 3)
+    radius: Floats  # (k,) root mean square distance of the points from the centroid
+    count: Floats  # (k,) number of points
+    share: Floats  # (k,) of the organ's points
 
     @classmethod
     def of(cls, points: Points, leaflet: Indices) -> Self:
+        """Measure the leaflets of (n, 3) points, with the (n,) leaflet of each one."""
         parts = [points[leaflet == k].astype(float) for k in range(int(leaflet.max()) + 1)]
         centroid = np.array([part.mean(axis=0) for part in parts])
         radius = np.array([np.sqrt(part.var(axis=0).sum()) for part in parts])
@@ -107,8 +108,8 @@ def register_leaflets(
     """Register an organ with its points in the next scan by its leaflets.
 
     The candidates are: no motion; a translation of the attachment point; and rotations about it
-    that align the direction of one leaflet with that of another, with or without scaling. The one
-    with the highest total score of matched leaflets is chosen, of those with `MIN_PAIRS` pairs.
+    that align the direction of one leaflet with that of another, with or without scaling. Of those
+    with at least `MIN_PAIRS` pairs of leaflets, the one with the largest total score is chosen.
 
     first, second: (n,) and (m,) the leaflet of each point, -1 on the stalk. Returns the registered
     points of `start` and the (p, 2) matched leaflets.

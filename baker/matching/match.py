@@ -26,14 +26,14 @@ class Match:
 def match_from_pairs(
     first: Hierarchy, second: Hierarchy, pairs: Sequence[tuple[int, int]]
 ) -> Match:
-    """The match with these pairs; all other segments are born or lost."""
+    """Make the match with these pairs; all other segments are born or lost."""
     starts, ends = {a for a, _ in pairs}, {b for _, b in pairs}
     return Match(
         first=first,
         second=second,
         pairs=tuple(sorted(pairs)),
-        births=tuple(segment for segment in second.from_the_root() if segment not in ends),
-        losses=tuple(segment for segment in first.from_the_root() if segment not in starts),
+        births=tuple(segment for segment in second.parents_first() if segment not in ends),
+        losses=tuple(segment for segment in first.parents_first() if segment not in starts),
     )
 
 
@@ -53,7 +53,7 @@ def match_series(
     distance: Distance,
     report_progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> list[Match]:
-    """Match each scan of a series to the next one.
+    """Match each scan of a series to the next one (section 3.3 of the paper).
 
     Segments that are merged for one interval stay merged in the next interval.
 
@@ -63,16 +63,17 @@ def match_series(
         The aligned scans.
     hierarchies : sequence of Hierarchy
     by_label : bool
-        Match by labels, which are consistent; otherwise by the hierarchies.
+        Whether to match by labels, which are then consistent, or else by the hierarchies.
     distance : callable
         Of two segments, (n, 3) and (m, 3), in length units, such as the Wasserstein distance; used
-        if labels are not.
+        to match by the hierarchies.
     report_progress : callable
         Called with the number of segments matched and their total.
 
-    References
-    ----------
-    Section 3.3 of the paper.
+    Returns
+    -------
+    list of Match
+        One for each interval.
     """
     matches: list[Match] = []
     done, total = 0, sum(len(hierarchy.segments) for hierarchy in hierarchies[1:])
@@ -104,7 +105,7 @@ class Organ:
     last: int  # index of the last scan with the organ
 
 
-def follow_organs(matches: Sequence[Match], consistent: bool) -> tuple[list[Organ], list[Match]]:
+def chain_matches(matches: Sequence[Match], consistent: bool) -> tuple[list[Organ], list[Match]]:
     """Chain the matches of successive intervals into organs.
 
     Parameters
@@ -119,27 +120,27 @@ def follow_organs(matches: Sequence[Match], consistent: bool) -> tuple[list[Orga
     organs : list of Organ
         By first appearance, the root first.
     matches : list of Match
-        The given ones, with the organs of the segments in their hierarchies.
+        With the organs of the segments in their hierarchies.
     """
     organs: list[Organ] = []
-    by_label: dict[int | None, int] = {}
+    organ_of_label: dict[int | None, int] = {}
 
     def with_organs(hierarchy: Hierarchy, scan: int, assigned: dict[int, int]) -> Hierarchy:
-        """Assign organs to the other segments: by their labels if consistent, else new ones."""
-        for segment in hierarchy.from_the_root():
+        """Assign organs to the segments without one, by consistent labels or else new organs."""
+        for segment in hierarchy.parents_first():
             label, parent = hierarchy.labels[segment], hierarchy.parents[segment]
-            organ = assigned.get(segment, by_label.get(label) if consistent else None)
+            organ = assigned.get(segment, organ_of_label.get(label) if consistent else None)
             if organ is None:
                 organ = len(organs)
                 organs.append(Organ(label, assigned.get(parent), scan, scan))
             organs[organ] = replace(organs[organ], last=scan)
-            assigned[segment] = by_label[label] = organ
+            assigned[segment] = organ_of_label[label] = organ
         return replace(hierarchy, organs=tuple(assigned[s] for s in range(len(hierarchy.segments))))
 
-    first, followed = with_organs(matches[0].first, 0, {}), []
+    first, with_tracks = with_organs(matches[0].first, 0, {}), []
     for scan, match in enumerate(matches, start=1):
         matched = {b: first.organs[a] for a, b in match.pairs}
         second = with_organs(match.second, scan, matched)
-        followed.append(replace(match, first=first, second=second))
+        with_tracks.append(replace(match, first=first, second=second))
         first = second
-    return organs, followed
+    return organs, with_tracks

@@ -1,8 +1,8 @@
 """Estimate how a plant as a whole has moved from one scan to another: rotated about its base.
 
-A soft stem may lean to another side in every scan, with all that grows on it. Organs are then far
-from where they were, and often near to where another one was. But they move together, so few of
-them determine the rotation of all.
+A soft stem may lean to another side in every scan, with all organs on it. An organ is then far from
+its former position, and often near the former position of another organ. But all organs rotate
+together, so the directions of two of them determine the rotation.
 """
 
 from collections.abc import Iterable, Sequence
@@ -18,16 +18,16 @@ Floats = NDArray[np.float64]
 
 # docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ.
 ROTATION_PENALTY, ANGLE_PENALTY = 0.1, 0.3  # of any rotation, and per radian
-MAX_ORGANS = 16  # the largest ones of each scan, whose scores decide
-ORGANS_IN_PAIRS = 7  # the largest ones, pairs of which determine a rotation
+MAX_ORGANS = 16  # number of the largest organs of each scan, by whose scores a rotation is chosen
+ORGANS_IN_PAIRS = 7  # number of the largest organs, of which each pair determines a rotation
 MIN_SINE = 0.25  # of the angle between the directions of such a pair
 MAX_ANGLE_CHANGE = 0.5  # of that angle between the scans, in radians
-MAX_CANDIDATES = 8  # rotations whose organs are matched
-MIN_DIFFERENCE = 0.2  # of these, in radians
+MAX_CANDIDATES = 8  # number of rotations for which organs are matched
+MIN_DIFFERENCE = 0.2  # between these rotations, in radians
 
 
 def plant_motions(organs: Sequence[OrganDescriptors], span: int) -> dict[tuple[int, int], Floats]:
-    """The (4, 4) motions from each scan to the `span` following ones, from one to the next."""
+    """(4, 4) motions of a plant from each scan to the `span` following ones, composed of steps."""
     steps = list(starmap(plant_motion, pairwise(organs)))
     return {
         (k, later): motion
@@ -41,8 +41,8 @@ def plant_motions(organs: Sequence[OrganDescriptors], span: int) -> dict[tuple[i
 def plant_motion(first: OrganDescriptors, second: OrganDescriptors) -> Floats:
     """(4, 4) rigid motion of a plant from the first scan to the second.
 
-    Candidates are no motion, and motions that register the plant bases and the directions of two
-    organs from there. The one with the largest total score of matched organs is chosen. Rotations
+    Candidates are no motion, and motions that register the plant bases and the directions from
+    there to two organs. The one with the largest total score of matched organs is chosen. Rotations
     are penalised, since a plant may look alike from several sides.
     """
     first, second = first.largest(MAX_ORGANS), second.largest(MAX_ORGANS)
@@ -64,7 +64,7 @@ def _penalty(rotations: Floats) -> Floats:
 
 
 def _total_score(first: OrganDescriptors, second: OrganDescriptors) -> float:
-    """The largest total score of a matching, also if organs are moved like their neighbours."""
+    """The total score of the best matching, with or without organs moved like their neighbours."""
     pairs, total = best_pairs(match_scores(first, second))
     return max(total, best_pairs(match_scores(first, second, pairs))[1])
 
@@ -72,7 +72,7 @@ def _total_score(first: OrganDescriptors, second: OrganDescriptors) -> float:
 def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Floats]:
     """(3, 3) rotations by which the organs come nearest to those of the second scan."""
     sides = first, second
-    offsets = [np.array([s.mean(axis=0) for s in each.samples]) - each.base for each in sides]
+    offsets = [np.array([s.mean(axis=0) for s in side.samples]) - side.base for side in sides]
     source, angle = _frames(offsets[0], combinations(_largest(first), 2))
     target, target_angle = _frames(offsets[1], permutations(_largest(second), 2))
     i, j = np.nonzero(np.abs(angle[:, None] - target_angle) < MAX_ANGLE_CHANGE)
@@ -83,13 +83,14 @@ def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Float
     moved = np.einsum("hxy,ky->hkx", rotations, offsets[0] * growth)
     distance = np.linalg.norm(moved[:, :, None] - offsets[1] / growth, axis=-1)
     cosines = np.einsum("hxy,ky,lx->hkl", rotations, first.directions, second.directions)
+    # For rotation h and organs k and l: cosines[h, k, l] = rotations[h] @ first[k] @ second[l].
     scores = np.maximum(shape_scores(first, second, distance, cosines), 0.0)
     # An upper bound of the mean score of any matching: the maxima of rows, or those of columns.
     bound = np.minimum(scores.max(axis=2).sum(axis=1), scores.max(axis=1).sum(axis=1))
     bound = bound / min(map(len, sides)) - _penalty(rotations)
     chosen: list[Floats] = []
     for rotation in rotations[np.argsort(-bound, kind="stable")]:
-        cosine = [(np.sum(rotation * other) - 1.0) / 2.0 for other in chosen]
+        cosine = [(np.sum(rotation * previous) - 1.0) / 2.0 for previous in chosen]
         if max(cosine, default=-1.0) < np.cos(MIN_DIFFERENCE):
             chosen.append(rotation)
         if len(chosen) == MAX_CANDIDATES:
@@ -98,6 +99,7 @@ def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Float
 
 
 def _largest(organs: OrganDescriptors) -> NDArray[np.intp]:
+    """Indices of the `ORGANS_IN_PAIRS` largest organs."""
     return np.argsort(-organs.sizes, kind="stable")[:ORGANS_IN_PAIRS]
 
 
@@ -109,11 +111,11 @@ def _frames(offsets: Floats, pairs: Iterable[tuple[int, int]]) -> tuple[Floats, 
     """
     length = np.linalg.norm(offsets, axis=1, keepdims=True)
     directions = offsets / np.maximum(length, np.finfo(float).tiny)
-    one, other = directions[np.array([*pairs], np.intp).reshape(-1, 2)].transpose(1, 0, 2)
-    middle, normal = one + other, np.cross(one, other)
+    first, second = directions[np.array([*pairs], np.intp).reshape(-1, 2)].transpose(1, 0, 2)
+    middle, normal = first + second, np.cross(first, second)
     sine = np.linalg.norm(normal, axis=1)
-    angle = np.arctan2(sine, (one * other).sum(axis=1))
-    kept = sine > MIN_SINE
-    middle, normal = middle[kept], normal[kept] / sine[kept, None]
+    angle = np.arctan2(sine, (first * second).sum(axis=1))
+    is_oblique = sine > MIN_SINE
+    middle, normal = middle[is_oblique], normal[is_oblique] / sine[is_oblique, None]
     middle /= np.linalg.norm(middle, axis=1, keepdims=True)
-    return np.stack([middle, np.cross(normal, middle), normal], axis=2), angle[kept]
+    return np.stack([middle, np.cross(normal, middle), normal], axis=2), angle[is_oblique]

@@ -17,20 +17,21 @@ from numpy.typing import ArrayLike, NDArray
 
 from baker.matching.descriptors import OrganDescriptors
 
-# Weights of docs/method.md, "Tracking organs"; lengths are in sizes of the plant's organs.
-# Organs are seldom lost, and new ones are small.
+# docs/method.md, "Tracking organs"; lengths are in sizes of the plant's organs. A loss costs more
+# than a birth, since organs are seldom lost, and new ones are small.
 LOSS_WEIGHT, BIRTH_WEIGHT, MATCH_BONUS = 1.8, 0.9, 1.2
 TURN_PENALTY = 0.3  # per radian
 ORDER_PENALTY, MAX_ORDER_CHANGE = 0.2, 2.0  # per change in the number of organs below
 BASE_BONUS = 0.75  # for an organ at the plant base, where none is born
-SHRINKING_PENALTY = 0.6  # per size lost
-MAX_PENALTY = 1.8  # above which a loss and a birth are more likely
-MAX_DISTANCE, MAX_SWAY = 2.0, 0.1  # limit: MAX_DISTANCE times the older organ's size + MAX_SWAY
-CANDIDATES = 16  # number of organs of the other scan that each organ is compared with
+SHRINKING_PENALTY = 0.6  # per size by which the younger organ is larger
+MAX_PENALTY = 1.8  # of a possible pair; above it, a loss and a birth are more likely
+# Greatest distance of a possible pair: MAX_DISTANCE times the older organ's size, plus MAX_SWAY.
+MAX_DISTANCE, MAX_SWAY = 2.0, 0.1
+CANDIDATES = 16  # number of nearest organs of the other scan with which an organ is compared
 # The displacement of an organ is estimated from its nearest neighbours, with weights of at most 1,
 # and from no displacement, with its own weight (docs/method.md, "Tracking organs").
 NEIGHBORS, STANDSTILL_WEIGHT = 3, 0.3
-MEDIAN_STEPS, MEDIAN_SOFTNESS = 10, 0.05  # of the geometric median; in sizes
+MEDIAN_STEPS, MEDIAN_SOFTNESS = 10, 0.05  # of Weiszfeld's algorithm; least distance, in sizes
 
 
 def match_scores(
@@ -51,10 +52,10 @@ def match_scores(
         In sizes of the plant's organs. A match with a score above 0 is better than a loss and a
         birth; impossible matches have -inf.
     """
-    known = np.reshape(np.asarray(pairs, np.intp), (-1, 2))
+    matched = np.reshape(np.asarray(pairs, np.intp), (-1, 2))
     if (first.sizes**2).sum() > (second.sizes**2).sum():
-        return _scores(second, first, known[:, ::-1]).T
-    return _scores(first, second, known)
+        return _scores(second, first, matched[:, ::-1]).T
+    return _scores(first, second, matched)
 
 
 def best_pairs(scores: NDArray[np.float64]) -> tuple[NDArray[np.intp], float]:
@@ -82,6 +83,7 @@ def best_pairs(scores: NDArray[np.float64]) -> tuple[NDArray[np.intp], float]:
 def _scores(
     young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp]
 ) -> NDArray[np.float64]:
+    """(n, m) scores of pairs of a younger and an older organ."""
     young = young.moved(neighbor_displacements(young, old, pairs, _organ_size(young, old)))
     cosines = young.directions @ old.directions.T
     order_change = np.abs(young.order[:, None] - old.order)
@@ -100,7 +102,7 @@ def shape_scores(
     """Score pairs of n and m organs, as `match_scores` does, by distance, direction and size.
 
     distance, cosines: (..., n, m) distances between organs, in length units, and cosines between
-    their directions. penalty: (n, m), for other differences.
+    their directions. penalty: (n, m) for other differences, in sizes of the plant's organs.
     """
     size = _organ_size(young, old)
     young_size, old_size, distance = young.sizes[:, None] / size, old.sizes / size, distance / size
@@ -118,7 +120,7 @@ def _organ_size(young: OrganDescriptors, old: OrganDescriptors) -> float:
 
 
 def neighbor_displacements(
-    young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp], plant: float
+    young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp], organ_size: float
 ) -> NDArray[np.float64]:
     """(n, 3) displacement of each young organ, estimated from those of its neighbours.
 
@@ -126,7 +128,7 @@ def neighbor_displacements(
     Weiszfeld's algorithm, on which a wrongly matched neighbour has little influence. The organ
     itself is left out, so that a wrong match does not confirm itself.
 
-    pairs: (p, 2) matched organs. plant: the size of the plant's organs, in length units.
+    pairs: (p, 2) matched organs. organ_size: as `_organ_size` returns it, in length units.
     """
     from scipy.spatial.distance import cdist
 
@@ -142,12 +144,12 @@ def neighbor_displacements(
     shares = weights
     for _ in range(MEDIAN_STEPS):
         median = shares @ shifts / np.maximum(shares.sum(axis=1, keepdims=True), 1e-30)
-        shares = weights / np.maximum(cdist(median, shifts), MEDIAN_SOFTNESS * plant)
+        shares = weights / np.maximum(cdist(median, shifts), MEDIAN_SOFTNESS * organ_size)
     return np.asarray(median * total / (total + STANDSTILL_WEIGHT))
 
 
 def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.float64]:
-    """(n, m) mean distance of the points of each young organ to each old one; inf if far away."""
+    """(n, m) mean distance of the points of each young organ to each old one; inf if far apart."""
     from scipy.spatial import KDTree
 
     distances = np.full((len(young), len(old)), np.inf)

@@ -19,9 +19,13 @@ from baker.matching.plant_motion import plant_motions
 from baker.matching.score import match_scores
 from baker.segmentation.hierarchy import Hierarchy
 
+PairScores = Mapping[tuple[int, int], NDArray[np.float64]]
+"""(earlier scan, later scan) -> (n, m) scores of the pairs of their organs"""
+
+# docs/method.md, "Tracking organs".
 GAP_FACTORS = (1.0, 0.9, 0.8)  # of the score of a successor in the next, second and third scan
-ROUNDS = 4  # of scoring and solving (docs/method.md)
-CERTAIN = 1e6  # score of organs that a correction links, above the sum of all others
+ROUNDS = 4  # number of times that pairs are scored and tracks are found
+CORRECTION_SCORE = 1e6  # of a pair that a correction links, greater than all other scores together
 
 
 def track_organs(
@@ -33,18 +37,18 @@ def track_organs(
 ) -> list[NDArray[np.int64]]:
     """Track the organs of a series by their shapes.
 
-    clouds: (N, 3) aligned scans. hierarchies: only a virtual root, the last segment, has no points.
-    root_points: index of the point at the plant base in each scan.
-    stem: whether the organ there is known to be the stem of all others. corrections: "same" ones of
-    successive scans, and "different" ones, are constraints.
+    clouds, root_points: (N, 3) aligned points of each scan, and the index of the point at the plant
+    base. hierarchies: only a virtual root, the last segment, has no points. stem: whether the organ
+    at the plant base is known to be the stem of all others. corrections: those of kind "same"
+    between successive scans, and of kind "different", are constraints.
 
     Returns the (N,) track number of each point. Tracks are numbered by first appearance, those that
-    appear in one scan by their distance from the plant base.
+    appear in the same scan by their distance from the plant base.
     """
     scans = zip(clouds, hierarchies, root_points, strict=True)
     organs = [describe_organs(*scan, stem=stem) for scan in scans]
     organ_of = [hierarchy.numbers() for hierarchy in hierarchies]  # of each point
-    distances = [np.linalg.norm(each.attachments - each.base, axis=1) for each in organs]
+    distances = [np.linalg.norm(scan.attachments - scan.base, axis=1) for scan in organs]
     motions = plant_motions(organs, len(GAP_FACTORS))
     moved = {(k, later): organs[k].transformed(motions[k, later]) for k, later in motions}
     numbers = [np.arange(0)] * len(organs)
@@ -54,13 +58,13 @@ def track_organs(
             * match_scores(first, organs[later], _linked(numbers, k, later))
             for (k, later), first in moved.items()
         }
-        for each in corrections:
-            same, (k, later) = each.kind == "same", each.scans
+        for correction in corrections:
+            same, (k, later) = correction.kind == "same", correction.scans
             if (k, later) in scores and (later == k + 1 or not same):
-                pair = tuple(organ_of[scan][point] for scan, point in each.places)
-                scores[k, later][pair] = CERTAIN if same else -np.inf
+                pair = tuple(organ_of[scan][point] for scan, point in correction.places)
+                scores[k, later][pair] = CORRECTION_SCORE if same else -np.inf
         numbers = chain_organs(distances, scores)
-    return [of_scan[each] for of_scan, each in zip(numbers, organ_of, strict=True)]
+    return [tracks[organ] for tracks, organ in zip(numbers, organ_of, strict=True)]
 
 
 def _linked(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> NDArray[np.intp]:
@@ -70,13 +74,13 @@ def _linked(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> NDArray
 
 
 def chain_organs(
-    distances: Sequence[NDArray[np.floating]], scores: Mapping[tuple[int, int], NDArray[np.float64]]
+    distances: Sequence[NDArray[np.floating]], scores: PairScores
 ) -> list[NDArray[np.int64]]:
     """Chain organs into tracks of the largest total score.
 
-    distances: (n,) from the plant base, of the organs of each scan. scores: by an earlier and a
-    later scan, of each pair of their organs; only positive ones are linked. Returns the (n,) track
-    numbers of the organs of each scan, by first appearance, then by distance.
+    distances: (n,) of the organs of each scan, from the plant base. scores: (n, m) of each pair of
+    organs of an earlier and a later scan; only pairs with a positive score are linked. Returns the
+    (n,) track numbers of the organs of each scan, by first appearance, then by distance.
     """
     starts = np.cumsum([0, *map(len, distances)])
     scan = np.repeat(np.arange(len(distances)), np.diff(starts))
@@ -86,9 +90,7 @@ def chain_organs(
     return np.split(tracks, starts[1:-1])
 
 
-def _predecessors(
-    starts: NDArray[np.intp], scores: Mapping[tuple[int, int], NDArray[np.float64]]
-) -> NDArray[np.intp]:
+def _predecessors(starts: NDArray[np.intp], scores: PairScores) -> NDArray[np.intp]:
     """The predecessor of each organ, numbered over all scans; itself if it has none."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import min_weight_full_bipartite_matching

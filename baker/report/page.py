@@ -16,11 +16,11 @@ from baker.verdict.doubt import command_for, group_by_interval, headline, interv
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
 from gclip.text import printable
-from traits.curves import TraitCurve, plotted, trait_curves
+from traits.curves import TraitCurve, curve_names, trait_curves
 from traits.doubts import doubts_of
 
-MAX_TICKS = 5  # above 0, of the axis of growth curves
-MAX_CURVES = 40  # of a chart: nobody could tell more lines apart
+MAX_TICKS = 5  # number of steps of the axis of growth curves
+MAX_CURVES = 40  # of a chart; more lines can't be distinguished
 
 
 def write_report(
@@ -34,7 +34,7 @@ def write_report(
 ) -> None:
     """Write the report of a bake as one self-contained HTML file, or no file if that fails.
 
-    Where the player can't render pictures, the report says so.
+    If the player can't render pictures, the report gives the reason instead.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def write_report(
     title : str
         Such as the clip's file name.
     report_progress : callable
-        Called with the name of a stage, the steps done and their total.
+        Called with the name of a stage, the number of steps done and their total.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def write_report(
         except NoPicture as error:
             no_pictures = str(error)
         measured = trait_curves(clip, largest_organs(clip))
-        curves = {trait: [c for c in measured if c.trait == trait] for trait in plotted(clip)}
+        curves = {trait: [c for c in measured if c.trait == trait] for trait in curve_names(clip)}
         page = _template().render(
             title=title,
             clip=clip,
@@ -78,8 +78,8 @@ def write_report(
             shown=scans_pictured(clip),
             curves=curves["length"],
             charts=[
-                (trait, sorted(of_trait, key=lambda curve: -curve.values[-1]), ticks(of_trait))
-                for trait, of_trait in curves.items()
+                (trait, sorted(group, key=lambda curve: -curve.values[-1]), ticks(group))
+                for trait, group in curves.items()
                 if trait not in ("area", "angle")
             ],
             errors=errors,

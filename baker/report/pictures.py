@@ -21,8 +21,8 @@ from traits.doubts import Doubt
 
 PLAYER_TIMEOUT = 600.0  # seconds
 SIZE = "300x300"  # of one picture
-MAX_SCANS_PICTURED = 12
-MAX_DOUBTS_PICTURED = 3  # intervals, the most doubtful ones
+MAX_SCANS_PICTURED = 12  # number of scans that are shown
+MAX_DOUBTS_PICTURED = 3  # number of the most doubtful intervals that are shown
 NEUTRAL_COLOR = (150, 158, 146)  # of organs that are not in doubt
 
 Job = tuple[Clip, Sequence[float], Sequence[str]]
@@ -30,7 +30,7 @@ Job = tuple[Clip, Sequence[float], Sequence[str]]
 
 
 class NoPicture(Exception):
-    """The player could not render; the message says why."""
+    """The player could not render; the message is the reason."""
 
 
 def scans_pictured(clip: Clip) -> list[int]:
@@ -54,14 +54,14 @@ def take_pictures(
 ) -> Pictures:
     """Render the pictures of a report, with temporary files in `folder`.
 
-    doubts: grouped by interval, the most doubtful one first; workers: how many players render at
-    the same time, 0 for as many as there are cores. Raises NoPicture if the player can't render,
-    for example without EGL.
+    doubts: grouped by interval, the most doubtful one first. workers: number of players that render
+    at the same time, 0 for the number of cores. Raises NoPicture if the player can't render, for
+    example without EGL.
     """
-    shown = [clip.times[k] for k in scans_pictured(clip)]
-    held = [scan.time for scan in clip.held_out]
-    jobs: list[Job] = [(clip, shown, ["--color=track", "--scale-bar"])]
-    jobs += [(clip, held, ["--color=error", "--legend"])] if held else []
+    times_shown = [clip.times[k] for k in scans_pictured(clip)]
+    held_out_times = [scan.time for scan in clip.held_out]
+    jobs: list[Job] = [(clip, times_shown, ["--color=track", "--scale-bar"])]
+    jobs += [(clip, held_out_times, ["--color=error", "--legend"])] if held_out_times else []
     for group in doubts[:MAX_DOUBTS_PICTURED]:
         start, end = group[0].start, group[0].end
         times = [start, (start + end) / 2, end]
@@ -71,8 +71,8 @@ def take_pictures(
         ThreadPoolExecutor(worker_count(workers)) as executor,
     ):
         paths = [Path(drafts, f"{number}.gclip") for number in range(len(jobs))]
-        scans, *others = executor.map(_render, jobs, paths)
-    return Pictures(scans, errors=others.pop(0) if held else [], doubts=others)
+        scans, *groups = executor.map(_render, jobs, paths)
+    return Pictures(scans, errors=groups.pop(0) if held_out_times else [], doubts=groups)
 
 
 def _doubtful_clip(clip: Clip, doubts: Sequence[Doubt]) -> Clip:
@@ -88,7 +88,7 @@ def _doubtful_clip(clip: Clip, doubts: Sequence[Doubt]) -> Clip:
 
 
 def _render(job: Job, path: Path) -> list[str]:
-    """Write the clip to `path` and render it; the pictures are in the order of the times."""
+    """Write the clip to `path` and render it at its times; return the pictures as data URLs."""
     clip, times, options = job
     folder = path.with_suffix("")
     command = [sys.executable, "-m", "player", str(path), "--ground=light", "--quiet", *options]

@@ -57,7 +57,7 @@ def summary_lines(
 
 
 def verdict_line(clip: Clip, path: Path) -> str:
-    """The verdict, and the command that shows the most doubtful interval."""
+    """The verdict on a clip, and the command that plays the most doubtful interval, if any."""
     line, doubts = clip.provenance["verdict"]["line"], group_by_interval(doubts_of(clip))
     command = f" Look: {command_for(doubts[0][0], path)}" if doubts else ""
     return str(line + command)

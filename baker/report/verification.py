@@ -33,8 +33,8 @@ class HoldoutError:
     date: str
     points: int  #: number of points of the scan
     spacing: float  #: median distance between neighbouring points of the scan
-    both: tuple[Distances, Distances]
-    """Reconstruction to scan, large where the clip has points that the scan has not; and scan to
+    distances: tuple[Distances, Distances]
+    """Reconstruction to scan, large where the clip has points that the scan lacks; and scan to
     reconstruction, large where the clip lacks points of the scan."""
 
 
@@ -58,27 +58,27 @@ def verify(
         pairs = ((scan, reconstruction), (reconstruction, scan))
         nearest = [KDTree(target).query(source)[0] for target, source in pairs]
         first, second = (Distances(*map(float, (d.mean(), d.std(), d.max()))) for d in nearest)
-        named = held.name, held.date, len(scan), point_spacing(scan)
-        errors.append(HoldoutError(*named, (first, second)))
+        identity = held.name, held.date, len(scan), point_spacing(scan)
+        errors.append(HoldoutError(*identity, (first, second)))
         report_progress("verification", number, len(clip.held_out))
     return errors
 
 
 def overall(errors: Sequence[HoldoutError]) -> tuple[Distances, Distances]:
     """Mean of the means, mean of the deviations and largest maximum, in both directions."""
-    figures = np.array([error.both for error in errors])  # (errors, 2 directions, 3 statistics)
+    figures = np.array([error.distances for error in errors])  # (E, 2 directions, 3 statistics)
     statistics = np.where([True, True, False], figures.mean(axis=0), figures.max(axis=0))
     return Distances(*statistics[0].tolist()), Distances(*statistics[1].tolist())
 
 
 def error_lines(errors: Sequence[HoldoutError], unit: str) -> list[str]:
     """Format the errors as a table, with a row for each scan and one for all together."""
-    rows = [(f"{error.date}, {error.name}", error.both) for error in errors]
+    rows = [(f"{error.date}, {error.name}", error.distances) for error in errors]
     rows += [("all", overall(errors))] if len(errors) > 1 else []
     title = f"left out{unit and f' ({unit})'}"
     width = max(len(title), *(len(name) for name, _ in rows))
     return [
         f"{'':<{width}}{'reconstruction to scan':>30}{'scan to reconstruction':>30}",
         f"{title:<{width}}" + f"{'mean':>10}{'std':>10}{'max':>10}" * 2,
-        *(f"{n:<{width}}" + "".join(f"{v:>10.3g}" for d in both for v in d) for n, both in rows),
+        *(f"{n:<{width}}" + "".join(f"{v:>10.3g}" for v in (*a, *b)) for n, (a, b) in rows),
     ]

@@ -26,9 +26,9 @@ class ChildProcess(AbstractContextManager):
     """A child process that calls functions, one after the other.
 
     It is started by the first call, and started again by the first call after a crash. It ends when
-    this process ends, in whatever way.
+    this process ends, however it ends.
 
-    stderr: as in `subprocess.Popen`; by default, what the child prints is not seen.
+    stderr: as in `subprocess.Popen`; by default, the output of the child is discarded.
     """
 
     def __init__(self, stderr: int | None = DEVNULL) -> None:
@@ -88,7 +88,7 @@ class ChildProcess(AbstractContextManager):
 
 
 def serve() -> None:
-    """Run in the child process: call what the parent sends, until it stops the child or ends."""
+    """Call the functions that the parent process sends, until it stops this process or ends."""
     results = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # libraries may print to stdout, which is the pipe of the results
     calls: SimpleQueue[bytes] = SimpleQueue()

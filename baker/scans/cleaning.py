@@ -20,17 +20,17 @@ MAX_STEP_RATIO = 1e-5  # float32 step : size of a scan, above which it gets an o
 MIN_COORDINATE = 1e-18  # smaller ones become 0: their squares are 0 in float32
 MAX_COORDINATE = 1e12  # larger ones mark points that weren't measured (1e30, -1e38, ...)
 MIN_SCAN_SIZE = 1e-9  # products of lengths in a smaller scan underflow in float32
-OUTLIER_NEIGHBORS = 16
+OUTLIER_NEIGHBORS = 16  # number of neighbours whose mean distance is compared
 MIN_VOXEL_RATIO = 2.0**-60  # edge of a voxel : largest coordinate; smaller voxels have no numbers
 
 
 def shared_origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Choose the (3,) origin of a series from the (N, 3) world positions of its first scan.
 
-    It is zero as long as float32 coordinates are exact enough there (steps below 2e-6 of the
-    plant's size). Otherwise it is the lower corner of the box from the 1st to the 99th percentile,
-    which leaves out points at zero that a scanner adds, rounded down to the power of ten below the
-    size of the box.
+    It is zero if float32 coordinates are precise enough there (steps below 2e-6 of the plant's
+    size). Otherwise it is the lower corner of the box from the 1st to the 99th percentile, rounded
+    down to the power of ten below the size of the box. The percentiles leave out points at zero,
+    which some scanners add.
     """
     low, high = np.percentile(points, [1, 99], axis=0)
     size = float((high - low).max())
@@ -89,23 +89,25 @@ def drop_duplicates(scan: Scan) -> Scan:
 
 
 def drop_outliers(scan: Scan, ratio: float) -> Scan:
-    """Remove points whose mean distance to their 16 nearest neighbours is more than `ratio`
-    standard deviations above the mean of the scan (Open3D's statistical outlier removal).
+    """Remove statistical outliers as Open3D defines them.
+
+    They are the points whose mean distance to their 16 nearest neighbours is more than `ratio`
+    standard deviations above its mean.
     """
     import open3d
 
     points = open3d.geometry.PointCloud(open3d.utility.Vector3dVector(scan.points))
     neighbors = min(OUTLIER_NEIGHBORS + 1, len(scan))  # Open3D counts the point itself
-    _, kept = points.remove_statistical_outlier(neighbors, ratio)
-    if not len(kept):  # Open3D removes all points if their mean distances are all equal
+    _, inliers = points.remove_statistical_outlier(neighbors, ratio)
+    if not len(inliers):  # Open3D removes all points if their mean distances are all equal
         return scan
-    return _keep(scan, np.sort(np.asarray(kept, np.intp)), "as outliers")
+    return _keep(scan, np.sort(np.asarray(inliers, np.intp)), "as outliers")
 
 
 def downsample(scan: Scan, voxel: float) -> Scan:
-    """Keep one point of each label in each voxel of edge length `voxel` (unit of the scan).
+    """Keep one point of each label in each voxel with edges of length `voxel` (unit of the scan).
 
-    It is the one nearest to the mean of all these points.
+    It is the point nearest to the mean of the points with that label in that voxel.
     """
     points = scan.points.astype(np.float64)
     cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * MIN_VOXEL_RATIO))
@@ -119,8 +121,8 @@ def downsample(scan: Scan, voxel: float) -> Scan:
     return _keep(scan, np.sort(nearest), f"to keep one for each voxel of {voxel:.6g}")
 
 
-def resampled(scan: Scan, count: int) -> Scan:
-    """Down-sample the surface evenly to about `count` points; a smaller scan stays as it is."""
+def downsample_to(scan: Scan, count: int) -> Scan:
+    """Down-sample a scan by voxels to about `count` points; a smaller scan stays as it is."""
     voxel = voxel_size_for(scan.points.astype(np.float64), count)
     return downsample(scan, voxel) if voxel else scan
 
@@ -133,7 +135,8 @@ def _row_bytes(rows: NDArray[np.floating]) -> NDArray[np.void]:
     return np.ascontiguousarray(rows).view(f"V{rows.itemsize * rows.shape[1]}").ravel()
 
 
-def _keep(scan: Scan, kept: np.ndarray, why: str) -> Scan:
-    if not (dropped := len(scan) - len(kept)):
+def _keep(scan: Scan, remaining: NDArray[np.intp], why: str) -> Scan:
+    """Keep the points with these indices, and note how many others were dropped, and why."""
+    if not (dropped := len(scan) - len(remaining)):
         return scan
-    return scan.take(kept).noting(f"dropped {dropped} point{'s' * (dropped > 1)} {why}.")
+    return scan.take(remaining).noting(f"dropped {dropped} point{'s' * (dropped > 1)} {why}.")

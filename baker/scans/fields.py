@@ -17,7 +17,8 @@ COLOR_NAMES = tuple(
     for names in ("red green blue", "diffuse_red diffuse_green diffuse_blue", "r g b", "rf gf bf")
 )
 NO_LABELS = {*"xyz", "nx", "ny", "nz", *chain.from_iterable(COLOR_NAMES)}
-# A field with another name may be labels if so many of its points have few distinct values.
+# A field of any other name may be labels if MAX_SAMPLE of its points have at most MAX_VALUES
+# distinct values.
 MAX_SAMPLE, MAX_VALUES = 2_000, 200
 
 
@@ -26,27 +27,27 @@ def choose_fields(
     path: Path,
     label_field: str | None = None,
     use_labels: bool = True,
-    carried: Sequence[str] = (),
+    clip_fields: Sequence[str] = (),
 ) -> Scan:
     """Make a scan from the fields of a file; its labels are chosen later, among its `fields`.
 
     Only `label_field` may be labels or, by default, all fields that look like labels; none if
-    `use_labels` is False. The fields of `carried` become scalars of the clip; those that are
-    infinite, or too large for a float32, become NaN: no value. Raises InputError if x, y, z,
-    `label_field` or a field of `carried` is missing.
+    `use_labels` is False. The `clip_fields` become scalars of the clip; values that are infinite,
+    or too large for a float32, become NaN. Raises InputError if one of these fields, or of x, y, z,
+    is missing.
     """
     by_name = {name.lower(): name for name in reversed(columns.values)}  # of equal names the first
     label_names = [label_field] if label_field is not None and use_labels else []
-    missing = [name for name in [*"xyz", *label_names, *carried] if name.lower() not in by_name]
+    missing = [name for name in [*"xyz", *label_names, *clip_fields] if name.lower() not in by_name]
     if missing:
-        found = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
-        raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {found}.")
+        known_names = ", ".join(map(excerpt, list(columns.values)[:12])) or "none"
+        raise InputError(f"'{path}' has no field '{missing[0]}'; the fields found: {known_names}.")
     used = [by_name[axis] for axis in "xyz"]
     points = np.stack([columns.values[name].astype(np.float64) for name in used], axis=1)
     note = f"positions from {excerpt(', '.join(used))}"
 
     scalars = {}
-    for name in carried:
+    for name in clip_fields:
         values = columns.values[by_name[name.lower()]]
         if values.dtype.kind not in "iufb":
             raise InputError(f"'{path}': its field '{name}' holds words; --fields takes numbers.")
@@ -55,7 +56,7 @@ def choose_fields(
         scalars[name] = np.where(np.isfinite(values), values, np.float32(np.nan))
     labels = [by_name[name.lower()] for name in label_names]
     if use_labels and not label_names:
-        used_names = NO_LABELS | {name.lower() for name in carried}
+        used_names = NO_LABELS | {name.lower() for name in clip_fields}
         rest = {n: values for n, values in columns.values.items() if n.lower() not in used_names}
         labels = [n for n in rest if label_rank(n) is not None or _may_be_labels(rest[n])]
 

@@ -9,9 +9,9 @@ from baker.errors import InputError, excerpt, input_errors
 from baker.scans.formats import KNOWN, READERS, require_known, suffix_of
 from baker.scans.times.schedule import names_without_times, natural_key
 
-# Stems of text files, and readers of other files, that are often in a folder of point clouds.
+# Files that are often in a folder of point clouds: stems of text files, and readers of other files.
 NOT_SCANS = {"readme", "license", "licence", "copying", "notice", "changelog", "citation", "traits"}
-BESIDE_SCANS = {"mesh", "arrays"}
+SECONDARY_READERS = {"mesh", "arrays"}
 IMAGES = {".png", ".jpg", ".jpeg", ".tif", ".tiff"}
 
 
@@ -21,7 +21,7 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[
     In a folder, hidden files, sub-folders, files of unknown suffix and texts such as README.txt are
     ignored; so are meshes and arrays where there are two or more point clouds. Without a file that
     lists the scans and their times, the names in a folder must show that its files are one series.
-    Raises InputError if a path does not exist or is no scan, or there are fewer than two scans.
+    Raises InputError if a path does not exist or is not a scan, or there are fewer than two scans.
     """
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")
@@ -58,7 +58,7 @@ def _find_in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
         scans = [path for path in entries if _is_named_as_scan(path) and not path.is_dir()]
         for path in scans:
             _require_file(path)
-        clouds = [path for path in scans if READERS[suffix_of(path)] not in BESIDE_SCANS]
+        clouds = [path for path in scans if READERS[suffix_of(path)] not in SECONDARY_READERS]
         scans = clouds if len(clouds) > 1 else scans
         if times_file is not None and times_file.exists():
             scans = [path for path in scans if not path.samefile(times_file)]
@@ -76,20 +76,20 @@ def _require_file(path: Path) -> None:
 
 
 def _describe(folder: Path, entries: Sequence[Path], scans: Sequence[Path]) -> str:
-    """What a folder of fewer than two scans holds, and what to do about it."""
+    """Describe a folder of fewer than two scans for an error message, with advice."""
     suffixes = {suffix_of(path) for path in entries if path.is_file()}
     if not scans and suffixes & IMAGES:
         needed = "at least fx, fy, cx and cy, in pixels"
         return f"images, but no camera.toml (or camera.json), which needs {needed}"
-    found, example = "no scans", folder / "*" / "*.ply"
+    description, example = "no scans", folder / "*" / "*.ply"
     if scans:
-        found = f"only one scan, '{scans[0].name}'; growth needs at least two"
+        description = f"only one scan, '{scans[0].name}'; growth needs at least two"
         example = folder.parent / "*" / scans[0].name
     unread = ", ".join(sorted(suffixes - {*READERS, ""}))
     if unread and not any(path.is_dir() for path in entries):
         advice = "export point clouds as PLY, LAS or E57, meshes as PLY, OBJ or GLB"
-        return f"{found}; {excerpt(unread)} can't be read: {advice} (known are {KNOWN})"
-    return f"{found} (known are {KNOWN}); name those in several folders, as in bake {example}"
+        return f"{description}; {excerpt(unread)} can't be read: {advice} (known are {KNOWN})"
+    return f"{description} (known are {KNOWN}); name those in several folders, as in bake {example}"
 
 
 def _is_named_as_scan(path: Path) -> bool:
@@ -109,8 +109,8 @@ def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
     for kinds, may_all_differ in groupings:
         count = len(set(kinds))
         if count > 1 and not (may_all_differ and count == len(scans)):
-            other = next(i for i, kind in enumerate(kinds) if kind != kinds[0])
+            odd = next(i for i, kind in enumerate(kinds) if kind != kinds[0])
             raise InputError(
                 f"'{folder}' seems to hold more than one series ('{scans[0].name}' and "
-                f"'{scans[other].name}'); give each its own folder, or name the files of one."
+                f"'{scans[odd].name}'); give each its own folder, or name the files of one."
             )

@@ -11,9 +11,9 @@ from baker.scans.pot import Pot, find_pot
 from baker.scans.scan import Finding, Scan
 
 DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # candidates for up, the most usual first
-# Least score of a ground across an unusual direction, and of one that is certain. With discs of
-# soil of 3 to 300 % of the plant's size, sloped, rough, oblong or in mounds, no scan scores below
-# 0.57. Twenty plants without ground score at most 0.46 in the usual direction, 0.63 upside down.
+# Least score of a ground along an unusual direction, and of one that is certain. Discs of soil of
+# 3 to 300 % of the plant's size, sloped, rough, oblong or in mounds, score 0.57 or more; twenty
+# plants without ground at most 0.46 upright and 0.63 upside down.
 MIN_UNUSUAL_SCORE, CERTAIN_SCORE = 0.7, 0.55
 MAX_LAYERS = 3  # grounds that are removed one after the other: a table, then the pot on it
 MIN_SHARE_OF_LABEL = 0.5  # of a label's points that lie in the ground, if it labels the ground
@@ -23,12 +23,13 @@ MIN_SHARE_OF_GROUND = 0.1  # of the ground's points that have this label
 def remove_ground(
     scans: Sequence[Scan], up: str = "auto", keep: bool = False, map: MapLike = map
 ) -> tuple[list[Scan], str, tuple[Finding, ...]]:
-    """Remove the ground from the scans of a series, where they show one, or only find it (`keep`).
+    """Remove the ground from the scans of a series, where they show one.
 
     In scans with labels, the labels of which most points lie in the ground are removed.
 
-    up: the direction of growth, one of `DIRECTIONS`, or "auto" where it is not known. Also returns
-    the direction away from the ground, "" where none was found, and the findings.
+    up: the direction of growth, one of `DIRECTIONS`, or "auto" where it is not known. keep: find
+    the ground but leave it in the scans. Also returns the direction away from the ground, "" where
+    none was found, and the findings.
     """
     directions = DIRECTIONS if up == "auto" else (up,)
     remaining, ground_up, findings = list(scans), "", []
@@ -37,15 +38,15 @@ def remove_ground(
         if not any(grounds):
             break
         ground_up, directions = direction, (direction,)
-        having = [scan.name for scan, ground in zip(scans, grounds, strict=True) if ground]
+        showing = [scan.name for scan, ground in zip(scans, grounds, strict=True) if ground]
         kind = "a pot" if any(isinstance(ground, Pot) for ground in grounds) else "a plane"
-        description = f"{kind} under the plant in {len(having)} of {len(scans)} scans"
+        description = f"{kind} under the plant in {len(showing)} of {len(scans)} scans"
         if keep:
             findings.append(Finding("ground", f"{description}, kept as asked"))
             break
         doubt = ""
-        if 2 * len(having) <= len(scans):
-            doubt = f"the other scans show none, only {', '.join(having)}"
+        if 2 * len(showing) <= len(scans):
+            doubt = f"the other scans show none, only {', '.join(showing)}"
         elif np.median([ground.score for ground in grounds if ground]) < CERTAIN_SCORE:
             doubt = "it is not quite round and closed, and may be leaves"
         count = sum(len(scan) for scan in remaining)
@@ -65,17 +66,18 @@ def find_ground(points: Points, up: str) -> Ground | None:
 def _find_grounds(
     scans: Sequence[Scan], directions: Sequence[str], map: MapLike
 ) -> tuple[str, list[Ground | None]]:
-    """Find the ground of each scan, along the first direction where most scans show one.
+    """Find the ground of each scan, along the first direction along which most scans show one.
 
-    If only some do along the usual direction, those grounds count of which the score is certain.
+    Along the usual direction, it is enough if some scans show one; only grounds with a score of at
+    least `CERTAIN_SCORE` are then returned.
     """
     for up in directions:
         is_usual = up == directions[0]
-        found = list(map(partial(find_ground, up=up), [scan.points for scan in scans]))
-        score = np.median([ground.score if ground else 0.0 for ground in found])
+        grounds = list(map(partial(find_ground, up=up), [scan.points for scan in scans]))
+        score = np.median([ground.score if ground else 0.0 for ground in grounds])
         if score >= (MIN_SCORE if is_usual else MIN_UNUSUAL_SCORE):
-            return up, found
-        certain = [ground if ground and ground.score >= CERTAIN_SCORE else None for ground in found]
+            return up, grounds
+        certain = [g if g and g.score >= CERTAIN_SCORE else None for g in grounds]
         if is_usual and any(certain):
             return up, certain
     return "", []

@@ -2,8 +2,8 @@
 
 As in the filtering of terrain, RANSAC fits a plane to the lowest points in the cells of a
 horizontal grid. The plane is the ground if it is round, without gaps and bare for the most part,
-and something rises from its middle. Leaves fail: they are narrow, have gaps between them, or are
-joined to the plant at their edge.
+and something rises from its middle. Leaves are rejected: they are narrow, have gaps between them,
+or are joined to the plant at their edge.
 """
 
 from dataclasses import dataclass
@@ -16,17 +16,17 @@ from baker.geometry.up_axis import Vertical
 
 Points = NDArray[np.floating]
 
-MAX_SAMPLE = 20_000  # points of a scan in which its ground is searched for
+MAX_SAMPLE = 20_000  # number of points of a scan in which its ground is searched for
 CELLS = 16  # cells along the longer side of the grid; the plane's tolerance is one cell's width
 LOW_SHARES = (0.05, 0.25)  # of the height, in which a small or a wide ground is searched for
-TRIALS, SEED = 300, 0  # of RANSAC
+TRIALS, SEED = 300, 0  # number of planes that RANSAC tries; seed of its generator
 BELOW_COST = 4  # number of cells in the plane that one cell below it cancels
 MAX_SLOPE = 0.5  # of the ground against the direction of growth: 27 degrees
-MIN_THICKNESS = 0.05  # in widths of a cell, for a plane without any roughness
-THICKNESS = 3.0  # in standard deviations of the ground's roughness
+MIN_THICKNESS = 0.05  # of a ground without any roughness, in widths of a cell
+THICKNESS = 3.0  # of a ground, in standard deviations of its heights
 MAX_COVERED = 0.5  # share of the ground's cells that may have points just above them
 MIN_IN_MIDDLE = 0.1  # share of the points just above the ground that are 1/4 radius from its edge
-MIN_SCORE = 0.5  # of a ground
+MIN_SCORE = 0.5  # of a ground, see `Ground.score`
 
 
 @dataclass(frozen=True)
@@ -65,20 +65,20 @@ class Ground:
 
 
 def find_plane(sample: Points, frame: Points) -> Ground | None:
-    """Find the ground of best score; sample, frame: as `upright_sample` returns them."""
-    found = [_fit_ground(sample, frame, share) for share in LOW_SHARES]
-    return max(filter(None, found), key=lambda ground: ground.score, default=None)
+    """Find the ground of best score, or None; sample, frame: as `upright_sample` returns them."""
+    grounds = [_fit_ground(sample, frame, share) for share in LOW_SHARES]
+    return max(filter(None, grounds), key=lambda ground: ground.score, default=None)
 
 
 def upright_sample(points: Points, up: str) -> tuple[Points, Points]:
-    """At most 20,000 of (N, 3) points, and the (3, 3) rotation that makes `up` the z axis."""
+    """Sample at most 20,000 of (N, 3) points; also return the (3, 3) rotation from `up` to +z."""
     vertical = Vertical.named(up)
     frame = _rotation_to_z(vertical.sign * np.eye(3)[vertical.axis])
     return np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64), frame
 
 
 def _fit_ground(sample: Points, frame: Points, share: float) -> Ground | None:
-    """Fit a ground to the points in the lowest share of the height, if they are one."""
+    """Fit a ground to the points in the lowest share of the height; None if it is not accepted."""
     for _ in range(2):  # the second time in a frame in which the ground is level
         cells, width = _lowest_points(sample @ frame.T, share)
         if len(cells) < CELLS:
@@ -93,17 +93,17 @@ def _fit_ground(sample: Points, frame: Points, share: float) -> Ground | None:
         return None
     ground = Ground(frame, float(np.median(cells[:, 2])), 2 * width, outline, score)
     rotated, heights, inside = ground.coordinates(sample)
-    near = (np.abs(heights) <= ground.thickness) & (inside >= 0)
+    is_near = (np.abs(heights) <= ground.thickness) & (inside >= 0)
     columns = np.floor(rotated[:, :2] / width) @ [1e6, 1.0]
-    middle = _median_of_medians(columns[near], heights[near])
-    deviation = 1.4826 * _median_of_medians(columns[near], np.abs(heights[near] - middle))
+    middle = _median_of_medians(columns[is_near], heights[is_near])
+    deviation = 1.4826 * _median_of_medians(columns[is_near], np.abs(heights[is_near] - middle))
     thickness = max(THICKNESS * deviation, MIN_THICKNESS * width)
     ground = Ground(frame, ground.height + middle, thickness, outline, score)
     return ground if _carries_plant(ground, sample, columns, width) else None
 
 
 def outline_of(cells: Points, width: float) -> tuple[Points, float]:
-    """The lines around (C, 2) cells, and how round and free of gaps these are, from 0 to 1."""
+    """The lines around (C, 2) cells, and a score of their roundness without gaps, from 0 to 1."""
     from scipy.spatial import ConvexHull, QhullError
 
     try:
@@ -141,9 +141,9 @@ def _lowest_points(points: Points, share: float) -> tuple[Points, float]:
     corner, end = np.quantile(points[:, :2], [0.005, 0.995], axis=0)
     width = float((end - corner).max()) / CELLS or 1.0
     column, row = np.floor((points[:, :2] - corner) / width).T
-    within = (column >= 0) & (column <= CELLS) & (row >= 0) & (row <= CELLS)
-    cell = ((CELLS + 1) * column + row)[within].astype(np.int16)  # short integers sort fast
-    return points[within][np.unique(cell, return_index=True)[1]], width
+    is_in_grid = (column >= 0) & (column <= CELLS) & (row >= 0) & (row <= CELLS)
+    cell = ((CELLS + 1) * column + row)[is_in_grid].astype(np.int16)  # short integers sort fast
+    return points[is_in_grid][np.unique(cell, return_index=True)[1]], width
 
 
 def _fit_plane(cells: Points, width: float) -> tuple[NDArray[np.bool_], Points]:

@@ -5,17 +5,18 @@ from numpy.typing import NDArray
 
 from baker.geometry.neighbors import nearest_neighbors
 
-NEIGHBORS, MIN_SAMPLE, MAX_SAMPLE = 8, 100, 10_000  # nearest neighbours; points of each scan
+NEIGHBORS = 8  # of a point in the kNN graph
+MIN_SAMPLE, MAX_SAMPLE = 100, 10_000  # number of points of a scan that are examined
 MIN_POINTS_OF_LABEL = 30  # the components of smaller labels are not counted
 
 
 def label_statistics(points: NDArray[np.floating], labels: NDArray) -> tuple[float, float, float]:
-    """Measure how the (N,) labels of a scan, numbers or words, are spread over its kNN graph.
+    """Measure how the (N,) labels of a scan, numbers or words, are distributed on its kNN graph.
 
-    Returns Cohen's kappa of the labels of nearest neighbours; the median number of connected
-    components of a label, effective (the inverse Simpson index), so that small components count
-    little; and the share that differs by one of the nearest neighbours that differ, 0 if labels are
-    few.
+    Returns Cohen's kappa of the labels of nearest neighbours; the median effective number of
+    connected components of a label (the inverse Simpson index, in which small components count
+    little); and, of the nearest neighbours whose labels differ, the share whose labels differ by
+    one, 0 if there are few labels.
     """
     from scipy.sparse import csr_array
     from scipy.sparse.csgraph import connected_components
@@ -39,8 +40,8 @@ def label_statistics(points: NDArray[np.floating], labels: NDArray) -> tuple[flo
     is_large = counts >= MIN_POINTS_OF_LABEL  # a few points are separate by chance
     median = 1.0
     if is_large.any():  # over labels, or over points if that is more
-        of_points = np.repeat(components[is_large], counts[is_large])
-        median = max(np.median(components[is_large]), np.median(of_points))
+        point_components = np.repeat(components[is_large], counts[is_large])
+        median = max(np.median(components[is_large]), np.median(point_components))
 
     steps = 0.0
     if len(distinct) > NEIGHBORS and not same[:, 0].all():

@@ -1,9 +1,9 @@
-"""Choose the field of a series that labels its organs, and drop the points of unwanted labels.
+"""Choose the field of a series that labels its organs, and drop the points of drops labels.
 
 The choice is made for all scans together. A field that is constant or holds fractions does not
-label organs; one whose values each occur in several separate places labels classes (stem, leaf),
-not organs. A field of unknown name is used only if no other is found, and if neighbouring points
-share its values as they share organs.
+label organs; one whose values each have several connected components labels classes (stem, leaf)
+instead. A field of unknown name is used only if there is no field of a known name, and if its
+values agree among neighbouring points as labels of organs do.
 """
 
 import re
@@ -34,7 +34,7 @@ NEUTRAL_WORDS |= {"plant"}
 GROUND_WORDS = {"soil", "ground", "pot", "background", "floor", "table", "tray", "turntable"}
 NO_LABEL = {"", "nan", "none", "null", "na", "unlabelled", "unlabeled", "unclassified", "noise"}
 CLASSES = {"leaf", "leaves", "leaflet", "leaflets", "petiole", "petioles"}  # a plant has several
-SAMPLED_SCANS = 3  # scans of a series of which the neighbourhoods are examined
+SAMPLED_SCANS = 3  # number of scans of a series whose neighbourhoods are examined
 # In 20 real series, neighbours agree on the labels by 0.9 or more, and a label has 1.1 connected
 # components at most; classes (stem, leaf) have 1.2 (two grasses) to 5, heights in steps 1.5 to 4.
 MIN_AGREEMENT = 0.5  # Cohen's kappa of nearest neighbours
@@ -43,38 +43,38 @@ MAX_STEPS = 0.9  # share of unlike neighbours that differ by one; heights or sca
 
 
 def label_rank(name: str) -> int | None:
-    """Rank a field by its name: the lower, the likelier it labels organs; None if it does not."""
+    """Rank a field by its name; lower ranks are more likely to label organs, None is unknown."""
     words = re.findall("[a-z]+", re.sub("(?<=[a-z])(?=[A-Z])", " ", name).lower())
-    known = RANKS.keys() | NEUTRAL_WORDS
-    words = [w if w in known else re.sub("(?<=.)(id|number|(?<!s)s)$", "", w) for w in words]
+    known_words = RANKS.keys() | NEUTRAL_WORDS
+    words = [w if w in known_words else re.sub("(?<=.)(id|number|(?<!s)s)$", "", w) for w in words]
     ranks = [RANKS[word] for word in words if word in RANKS]
-    if not ranks or not known >= set(words):
+    if not ranks or not known_words >= set(words):
         return None
     is_class = max(ranks) >= CLASS and INSTANCE not in ranks  # "organ class" ranks as a class
     return max(ranks) if is_class else min(ranks)
 
 
 def choose_labels(
-    scans: Sequence[Scan], is_asked: bool = False, are_needed: bool = False, map: MapLike = map
+    scans: Sequence[Scan], is_requested: bool = False, is_labelled: bool = False, map: MapLike = map
 ) -> tuple[list[Scan], str, dict[int, str], tuple[Finding, ...]]:
-    """Take the labels of each scan from the likeliest of its fields.
+    """Take the labels of each scan from the field that most likely labels its organs.
 
-    is_asked: whether the user named the field; it is used whatever its values look like, and
-    InputError is raised if it holds neither whole numbers nor words. are_needed: whether the user
+    is_requested: whether the user named the field; it is used whatever its values are, and
+    InputError is raised if it holds neither whole numbers nor words. is_labelled: whether the user
     said that there are labels; a field with a known name is then not doubted.
 
-    Also returns the names of the fields used, "" where there are no labels; label -> word, where
-    the fields hold words; and findings that say why fields were not used.
+    Also returns the names of the fields used, "" where there are no labels; the words that labels
+    stand for, where the fields hold words; and findings about fields that were not used.
     """
     names: list[str] = []
     findings: list[Finding] = []
     ranks = {name: label_rank(name) for scan in scans for name in scan.fields}
     for name in sorted(ranks, key=lambda name: (ranks[name] is None, ranks[name] or 0, name)):
-        having = [scan for scan in scans if name in scan.fields]
-        is_known = is_asked or ranks[name] is not None
-        if not is_known and (names or min(len(scan) for scan in having) < MIN_SAMPLE):
+        candidates = [scan for scan in scans if name in scan.fields]
+        is_known = is_requested or ranks[name] is not None
+        if not is_known and (names or min(len(scan) for scan in candidates) < MIN_SAMPLE):
             continue
-        objection = _objection(name, having, is_asked, is_known and are_needed, map)
+        objection = _objection(name, candidates, is_requested, is_known and is_labelled, map)
         if objection is None:
             names.append(name)
             if not is_known:
@@ -83,15 +83,15 @@ def choose_labels(
                 findings.append(_finding(name, reason, doubt, "--labels ignore"))
         elif is_known and not names:
             findings.append(objection)
-    chosen = [next((name for name in names if name in scan.fields), "") for scan in scans]
-    values = {k: scans[k].fields[name] for k, name in enumerate(chosen) if name}
-    numbers, words = _numbered(values if is_asked else _without_unlabelled(values))
+    used_names = [next((name for name in names if name in scan.fields), "") for scan in scans]
+    values = {k: scans[k].fields[name] for k, name in enumerate(used_names) if name}
+    numbers, words = _as_integers(values if is_requested else _without_unlabelled(values))
     labelled = [
         replace(scan, labels=numbers[k]) if k in numbers else scan for k, scan in enumerate(scans)
     ]
-    used = ", ".join(excerpt(name) for name in names if name in chosen)
-    kept = [finding for finding in findings if finding.doubt or not used]
-    return labelled, used, words, tuple(kept)
+    used = ", ".join(excerpt(name) for name in names if name in used_names)
+    reported = [finding for finding in findings if finding.doubt or not used]
+    return labelled, used, words, tuple(reported)
 
 
 def drop_labels(
@@ -103,9 +103,9 @@ def drop_labels(
     keep_ground: whether labels of `GROUND_WORDS` stay. Raises InputError if no scan has a label of
     `dropped`, or a scan has no other labels.
     """
-    asked = set(filter(None, dropped.lower().split(",")))
+    drops = set(filter(None, dropped.lower().split(",")))
     ground = set() if keep_ground else GROUND_WORDS
-    found, removed, remaining = set[str](), set[str](), []
+    all_texts, removed, remaining = set[str](), set[str](), []
     for scan in scans:
         labels = [] if scan.labels is None else [scan.labels]
         fields_of_words = (field for field in scan.fields.values() if field.dtype.kind == "U")
@@ -113,15 +113,15 @@ def drop_labels(
         for values in (*labels, *fields_of_words):
             distinct, index = np.unique(values, return_inverse=True)
             texts = [words.get(label, str(label)).lower() for label in distinct.tolist()]
-            is_unwanted = [t in asked or bool(ground & {*re.findall("[a-z]+", t)}) for t in texts]
+            is_unwanted = [t in drops or bool(ground & {*re.findall("[a-z]+", t)}) for t in texts]
             is_removed |= np.array(is_unwanted, bool)[index]
-            found.update(texts)
+            all_texts.update(texts)
             removed.update(compress(texts, is_unwanted))
         if is_removed.all():
             raise InputError(f"'{scan.path}': without the labels to drop no points are left.")
         remaining.append(scan.take(np.flatnonzero(~is_removed)) if is_removed.any() else scan)
-    if missing := sorted(asked - found):
-        listed = excerpt(", ".join(sorted(found, key=natural_key))) or "none"
+    if missing := sorted(drops - all_texts):
+        listed = excerpt(", ".join(sorted(all_texts, key=natural_key))) or "none"
         raise InputError(f"--drop-label {missing[0]}: no scan has such a label; found: {listed}.")
     if not removed:
         return list(scans), ()
@@ -141,28 +141,28 @@ def _fraction(values: NDArray) -> float | None:
 
 
 def _objection(
-    name: str, scans: Sequence[Scan], is_asked: bool, is_trusted: bool, map: MapLike
+    name: str, scans: Sequence[Scan], is_requested: bool, is_trusted: bool, map: MapLike
 ) -> Finding | None:
     """The reason why a field is not taken for labels of organs; None if it is.
 
-    is_asked: whether the user named it. is_trusted: whether it is taken wherever its values lie.
-    Raises InputError where the field that the user named holds a number that is no label.
+    is_requested: whether the user named it. is_trusted: whether it is taken however its values are
+    distributed. Raises InputError if the field that the user named holds a number that is no label.
     """
     values = [scan.fields[name] for scan in scans]
     for scan, labels in zip(scans, values, strict=True):
         if (fraction := _fraction(labels)) is not None:
-            found = f"holds {fraction:g}"
-            if not is_asked:
-                return _finding(name, f"is not used, as it {found}, which is no whole number")
+            description = f"holds {fraction:g}"
+            if not is_requested:
+                return _finding(name, f"is not used, as it {description}, which is no whole number")
             raise InputError(
-                f"'{scan.path}': the field '{excerpt(name)}' {found}, but labels must be whole "
-                "numbers or words; choose another field with --label-field, or read the scans "
-                "without labels (--labels ignore)."
+                f"'{scan.path}': the field '{excerpt(name)}' {description}, but labels must be "
+                "whole numbers or words; choose another field with --label-field, or read the "
+                "scans without labels (--labels ignore)."
             )
     distinct_of_scan = [np.unique(labels) for labels in values]
-    if not is_asked and max(len(distinct) for distinct in distinct_of_scan) == 1:
+    if not is_requested and max(len(distinct) for distinct in distinct_of_scan) == 1:
         return _finding(name, "is not used, as it is the same everywhere in a scan")
-    if is_asked or is_trusted:
+    if is_requested or is_trusted:
         return None
     distinct = np.unique(np.concatenate(distinct_of_scan))
     texts = [str(value).strip().lower() for value in distinct]
@@ -186,7 +186,7 @@ def _finding(name: str, predicate: str, doubt: str = "", option: str = "") -> Fi
     return Finding("labels", f"'{excerpt(name)}' {predicate}", doubt, option)
 
 
-def _numbered(
+def _as_integers(
     values: Mapping[int, NDArray],
 ) -> tuple[dict[int, NDArray[np.int64]], dict[int, str]]:
     """The labels of each scan as integers, -1 for none, and the words that they stand for."""
@@ -208,15 +208,16 @@ def _numbered(
 
 
 def _without_unlabelled(values: Mapping[int, NDArray]) -> dict[int, NDArray]:
-    """Leave out the scans whose labels are one number that means "no labels".
+    """Leave out the scans whose only label is a number that means "no labels".
 
-    That is a number that no scan with several labels has, or that follows such a scan.
+    It does, unless all scans have only one label, or the scan precedes all scans with several
+    labels and one of these has the label, too: a seedling that is only a stem.
     """
     distinct = {k: {*np.unique(labels).tolist()} for k, labels in values.items()}
-    several = [k for k, names in distinct.items() if len(names) > 1]
-    known = {name for k in several for name in distinct[k]}
+    with_several = [k for k, names in distinct.items() if len(names) > 1]
+    earlier = {name for k in with_several for name in distinct[k]}
     return {
         k: labels
         for k, labels in values.items()
-        if k in several or not several or (k < several[0] and distinct[k] <= known)
+        if k in with_several or not with_several or (k < with_several[0] and distinct[k] <= earlier)
     }

@@ -1,6 +1,6 @@
 """Find the pot that a plant grows in, where its wall shows all around.
 
-Within the wall and above, the soil is searched for as any ground is.
+The soil is then searched for within the wall, as any ground is.
 """
 
 from dataclasses import dataclass
@@ -11,13 +11,14 @@ from numpy.typing import NDArray
 
 from baker.scans.ground_plane import Ground, Points, find_plane, outline_of
 
-SLICES = 0.03, 0.07, 0.12, 0.2, 0.3  # of the height, between which the wall is searched for
-SECTORS, MIN_CLOSED = 32, 0.7  # around a wall; share of them in which it must have points
-MIN_ROUNDNESS = 0.5  # distance of these points from the middle, in greatest distances
-MIN_HOLLOW = 0.8  # median distance of all points of the wall from the middle, in radii
-WITHIN, AROUND = 0.8, 1.6  # radii of the wall, in which the soil and all of the pot must lie
-WALL_WIDTH = 0.2  # in radii, on both sides of the pot's outline
-ROUGHNESS = 1.2  # of all the soil, times that of its middle
+# docs/method.md, "Alignment". Radii are those of the wall.
+SLICES = 0.03, 0.07, 0.12, 0.2, 0.3  # shares of the height, between which a wall is searched for
+SECTORS, MIN_CLOSED = 32, 0.7  # number of sectors around a wall; least share of them with points
+MIN_ROUNDNESS = 0.5  # least distance of these points from the middle, in greatest distances
+MIN_HOLLOW = 0.8  # least median distance of all points of the wall from the middle, in radii
+SOIL_RADIUS, POT_RADIUS = 0.8, 1.6  # around the middle, of the soil and of the whole pot, in radii
+WALL_WIDTH = 0.2  # on both sides of the pot's outline, in radii
+ROUGHNESS = 1.2  # thickness of all the soil, in thicknesses of its middle
 MIN_SCORE = 0.7  # of the soil
 
 
@@ -37,7 +38,7 @@ class Pot(Ground):
 
 
 def find_pot(sample: Points, frame: Points) -> Pot | None:
-    """Find the pot of a plant; sample, frame: as `upright_sample` returns them."""
+    """Find the pot of a plant, or None; sample, frame: as `upright_sample` returns them."""
     rotated = sample @ frame.T
     flat, heights = rotated[:, :2], rotated[:, 2]
     bottom, top = np.quantile(heights, [0.002, 1.0])
@@ -46,14 +47,14 @@ def find_pot(sample: Points, frame: Points) -> Pot | None:
         if radius := _radius(wall):
             distances = np.linalg.norm(flat - wall.mean(axis=0), axis=1)
             distances[heights <= high] = np.inf
-            soil = find_plane(sample[distances < WITHIN * radius], frame)
+            soil = find_plane(sample[distances < SOIL_RADIUS * radius], frame)
             if soil and soil.score >= MIN_SCORE:
-                return _pot_around(soil, sample[distances < AROUND * radius])
+                return _pot_around(soil, sample[distances < POT_RADIUS * radius])
     return None
 
 
 def _radius(wall: Points) -> float:
-    """The radius of (N, 2) points of a wall; 0 if they do not lie all around, hollow within."""
+    """The radius of (N, 2) points of a wall; 0 if they are not on a closed, hollow curve."""
     if len(wall) < SECTORS:
         return 0.0
     x, y = (wall - wall.mean(axis=0)).T
@@ -66,7 +67,7 @@ def _radius(wall: Points) -> float:
 
 
 def _pot_around(soil: Ground, points: Points) -> Pot:
-    """The pot with this soil in it; points: (N, 3), of all the pot and what is above it."""
+    """The pot around this soil; points: (N, 3), of the whole pot and of what is above it."""
     rotated, heights, _ = soil.coordinates(points)
     flat = rotated[:, :2]
     outline, _ = outline_of(flat[np.abs(heights) <= soil.thickness], 0.0)

@@ -64,9 +64,9 @@ def read_series(
         scans = list(map(partial(listing.read, options=options, child=child), series.scans))
     shared = cleaning.shared_origin(scans[0].points)
     scans = list(map(cleaning.drop_duplicates, map(partial(cleaning.relative_to, shared), scans)))
-    keep_ground, is_asked = options.ground == "keep", options.label_field is not None
-    are_needed = options.labels in ("consistent", "independent")
-    scans, field, words, labels = choose_labels(scans, is_asked, are_needed, map)
+    keep_ground, is_requested = options.ground == "keep", options.label_field is not None
+    is_labelled = options.labels in ("consistent", "independent")
+    scans, field, words, labels = choose_labels(scans, is_requested, is_labelled, map)
     scans, dropped = drop_labels(scans, words, options.drop_label, keep_ground)
     scans, ground_up, ground = remove_ground(scans, resolved.up, keep_ground, map)
     scans = list(map(partial(_downsampled, options=options), scans))
@@ -86,13 +86,13 @@ def read_series(
 
 
 def _downsampled(scan: Scan, options: Options) -> Scan:
-    """Remove outliers and down-sample, as the options say; drop the fields that aren't needed."""
+    """Remove outliers and down-sample, as the options say; also drop fields that may be labels."""
     scan = replace(scan, fields={})
     if options.outliers is not None:
         scan = cleaning.drop_outliers(scan, options.outliers)
     if options.voxel is not None:
         scan = cleaning.downsample(scan, options.voxel)
-    return scan if options.resample is None else cleaning.resampled(scan, options.resample)
+    return scan if options.resample is None else cleaning.downsample_to(scan, options.resample)
 
 
 @dataclass(frozen=True)
@@ -124,9 +124,9 @@ class Listing:
         use_labels = options.labels != "ignore" or bool(options.drop_label)
         if self.images:
             return self.images.read(path, use_labels)
-        names, carried = ([*filter(None, o.split(","))] for o in (options.columns, options.fields))
+        names, fields = ([*filter(None, o.split(","))] for o in (options.columns, options.fields))
         columns = read_columns(path, names, child)
-        return choose_fields(columns, path, options.label_field, use_labels, carried)
+        return choose_fields(columns, path, options.label_field, use_labels, fields)
 
 
 def list_series(
@@ -134,7 +134,7 @@ def list_series(
 ) -> Listing:
     """Find, time and order the scans of a series without reading them.
 
-    Takes and raises what `read_series` does.
+    The parameters and the errors raised are those of `read_series`.
     """
     camera, file = find_camera(inputs[0]) if len(inputs) == 1 else None, options.times
     if camera:
@@ -148,19 +148,19 @@ def list_series(
     else:
         images, from_folder = None, len(inputs) == 1
         series = schedule_scans(find_scans(inputs, file), file, times, from_folder)
-    kept, count = series.scans[:: options.every], len(series.scans)
-    if len(kept) < 2:
+    selected, count = series.scans[:: options.every], len(series.scans)
+    if len(selected) < 2:
         left = f"--every {options.every} leaves only the first one; growth needs at least two"
         raise InputError(f"of {count} scans, {left}.")
     if options.every > 1:
         (finding,) = series.findings
-        found = f"{finding.found}; of {count} scans {len(kept)}, one in {options.every}"
-        series = replace(series, scans=kept, findings=(replace(finding, found=found),))
+        description = f"{finding.found}; of {count} scans {len(selected)}, one in {options.every}"
+        series = replace(series, scans=selected, findings=(replace(finding, found=description),))
     return Listing(series, images)
 
 
 def digest(paths: Sequence[Path]) -> str:
-    """SHA-256 of the bytes of all files in turn. Raises InputError where one can't be read."""
+    """SHA-256 of the concatenated files, in hexadecimal; InputError if one can't be read."""
     sha256 = hashlib.sha256()
     for path in paths:
         with input_errors(path), path.open("rb") as file:

@@ -12,18 +12,12 @@ TOPICS = ("order", "days", "points", "unit", "ground", "up", "frame", "plant", "
 
 @dataclass(frozen=True)
 class Finding:
-    """One decision about a whole series, as `bake --list` and the first lines of a bake print it.
+    """One decision about a whole series, which `bake --list` prints as a line."""
 
-    topic:  one of TOPICS, in whose order findings are printed.
-    found:  what was decided and by which rule, in a botanist's words: "z, as scans usually have".
-    doubt:  what speaks against it, a clause without a full stop; "" where nothing does.
-    option: the option that overrides it: "--up y". Given wherever there is a doubt.
-    """
-
-    topic: str
-    found: str
-    doubt: str = ""
-    option: str = ""
+    topic: str  # one of TOPICS, in whose order findings are printed
+    found: str  # what was decided and by which rule: "z, as scans usually have it"
+    doubt: str = ""  # what speaks against it, a clause without a full stop
+    option: str = ""  # the option that overrides it, needed with a doubt: "--up y"
 
     @property
     def remark(self) -> str:
@@ -40,35 +34,24 @@ class Finding:
 
 @dataclass(frozen=True)
 class Scan:
-    """One point cloud with a time.
+    """One point cloud of N points with a time.
 
-    points:  (N, 3) positions in the unit of the scan: float64 world coordinates as read from the
-             file, float32 relative to `origin` in a `Series`.
-    labels:  (N,) int64, the organ of each point, or None where the scan has no labels.
-    colors:  (N, 3) uint8 sRGB, or None where the scan has no colours.
-    notes:   what reading and cleaning found, one sentence each (dropped points, fields used).
-    fields:  name -> (N,) numbers or words, the fields of the file that may be labels.
-    scalars: name -> (N,) float32, the fields that are carried into the clip.
-    path:    the file that it was read from.
-    name:    the file's name, preceded by its folder's where two files have the same name.
-    time:    days: the number in the name, or days since the first scan where names are dates.
-    date:    the time as text: "2020-03-08", "day 5", "2".
-    origin:  (3,) float64, the world position of the local coordinates' zero.
-    sha256:  digest of all files that the scan was read from (of images: colour, depth and labels).
+    Its positions are float64 world coordinates as read from the file; in a `Series`, they are
+    float32 and relative to `origin`.
     """
 
-    points: NDArray
-    labels: NDArray[np.int64] | None = None
-    colors: NDArray[np.uint8] | None = None
-    notes: tuple[str, ...] = ()
-    fields: dict[str, NDArray] = field(default_factory=dict)
-    scalars: dict[str, NDArray[np.float32]] = field(default_factory=dict)
-    path: Path = Path()
-    name: str = ""
-    time: float = 0.0
-    date: str = ""
-    origin: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))
-    sha256: str = ""
+    points: NDArray  # (N, 3) positions in the unit of the scan
+    labels: NDArray[np.int64] | None = None  # (N,) organ of each point
+    colors: NDArray[np.uint8] | None = None  # (N, 3) sRGB
+    notes: tuple[str, ...] = ()  # sentences of reading and cleaning (dropped points, fields used)
+    fields: dict[str, NDArray] = field(default_factory=dict)  # (N,) each; they may be labels
+    scalars: dict[str, NDArray[np.float32]] = field(default_factory=dict)  # (N,) each, for the clip
+    path: Path = Path()  # of the file
+    name: str = ""  # of the file, after that of its folder where two files have the same name
+    time: float = 0.0  # days: the number in the name or, of dates, since the first scan
+    date: str = ""  # the time as text: "2020-03-08", "day 5", "2"
+    origin: NDArray[np.float64] = field(default_factory=lambda: np.zeros(3))  # (3,) in the world
+    sha256: str = ""  # digest of all files of the scan (of images: colour, depth and labels)
 
     def __len__(self) -> int:
         return len(self.points)
@@ -91,25 +74,14 @@ class Scan:
 
 @dataclass(frozen=True)
 class Series:
-    """At least two scans of one plant in the order of time, with one `origin` unless far apart.
+    """At least two scans of one plant in the order of time."""
 
-    unit:  "days" where times are known, "scans" where only their order is.
-    fixed: whether the scans are from a fixed camera: they share one frame, with z up, and are not
-           aligned.
-    root:  "virtual" where no label is the stem of the others (section 3.2.1), else None.
-    length: the unit of lengths, "" where unknown.
-    label_field: the field that labels were read from, "" where there are none.
-    label_words: label -> word, where the scans label organs by words.
-    findings: what was decided on reading, for the whole series.
-    ground_up: the direction away from the ground, such as "z", "" where no ground was found.
-    """
-
-    scans: tuple[Scan, ...]
-    unit: str = "days"
-    fixed: bool = False
-    root: Literal["virtual"] | None = None
-    length: str = ""
-    label_field: str = ""
-    label_words: dict[int, str] = field(default_factory=dict)
-    findings: tuple[Finding, ...] = ()
-    ground_up: str = ""
+    scans: tuple[Scan, ...]  # with one `origin`, unless their coordinates are far apart
+    unit: str = "days"  # of times; "scans" where only their order is known
+    fixed: bool = False  # from a fixed camera: they share one frame with z up, and stay in it
+    root: Literal["virtual"] | None = None  # where no label is the stem of others (section 3.2.1)
+    length: str = ""  # the unit of lengths, "" where unknown
+    label_field: str = ""  # from which labels were read, "" without labels
+    label_words: dict[int, str] = field(default_factory=dict)  # by label, where fields hold words
+    findings: tuple[Finding, ...] = ()  # about reading the series
+    ground_up: str = ""  # the direction away from the ground, such as "z"; "" without a ground

@@ -11,18 +11,18 @@ from baker.scans.scan import Finding, Scan
 
 METERS = {"mm": 1e-3, "cm": 1e-2, "dm": 0.1, "m": 1.0, "in": 0.0254, "inch": 0.0254, "ft": 0.3048}
 PLANT_SIZES = (2e-3, 100.0)  # meters, of the smallest and the largest plant
-# Sizes of two successive scans: no plant grows by the first, few grow by the second.
-MAX_RATIO, LIKELY_RATIO = 30.0, 8.0
-UNITS = (1e-3, 1e-2, 0.1, 1.0, 0.0254)  # in meters, that may be mixed up
+MAX_RATIO = 30.0  # of the sizes of two successive scans; no plant grows by so much
+LIKELY_RATIO = 8.0  # above which the units of the scans are doubted; few plants grow by so much
+UNITS = (1e-3, 1e-2, 0.1, 1.0, 0.0254)  # units of length that are often mixed up, in meters
 MIN_SIZE = 1e-100  # replaces 0, which has no logarithm
 MAX_SAMPLE = 20_000  # points of a scan from which its size is estimated
 
 
 def require_one_unit(scans: Sequence[Scan], unit: str) -> Finding:
-    """Report the size of the plant, in `unit` ("" where the user has not given one).
+    """Report the size of the plant, and doubt that scans have one unit if their sizes differ much.
 
-    Raises InputError where the sizes of successive scans differ so much that their units must be
-    different.
+    unit: of the scans' lengths, "" where it is not known. Raises InputError if the sizes of
+    successive scans differ so much that their units must be different.
     """
     sizes = [_size(scan.points) for scan in scans]
     rounded = [f"{float(f'{size:.3g}'):,g}" for size in sizes]
@@ -49,8 +49,8 @@ def require_one_unit(scans: Sequence[Scan], unit: str) -> Finding:
     if meters and not PLANT_SIZES[0] <= meters <= PLANT_SIZES[1]:
         doubts.append(f"that is {meters:.2g} m")
     size = f"the last scan is {rounded[-1]} {unit}".rstrip() + " across"
-    found = f"{unit}; {size}" if unit else f"that of the scans; {size} (--unit mm names it)"
-    return Finding("unit", found, *doubts[:1])
+    description = f"{unit}; {size}" if unit else f"that of the scans; {size} (--unit mm names it)"
+    return Finding("unit", description, *doubts[:1])
 
 
 def _size(cloud: NDArray[np.floating]) -> float:

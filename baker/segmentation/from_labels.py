@@ -25,9 +25,10 @@ Labels = NDArray[np.integer]
 Ranks = Mapping[tuple[int, int], tuple[bool, float]]
 """(organ, possible parent) -> whether the parent is younger, and their mean gap"""
 
-MAX_ROOT_GAP = 10.0  # in point spacings, from the root segment to the nearest other one
-MAX_GAP = 3.0  # between segments that touch, in point spacings
-COARSE_POINTS = 400  # of each organ, from which a coarse hierarchy is built
+# docs/method.md, row 13.
+MAX_ROOT_GAP = 10.0  # point spacings from the root segment to the nearest segment
+MAX_GAP = 3.0  # point spacings between segments that touch
+COARSE_POINTS = 400  # number of points of each organ from which a coarse hierarchy is built
 
 
 def labelled_hierarchies(
@@ -37,11 +38,11 @@ def labelled_hierarchies(
     neighbors: Sequence[Neighbors],
     *,
     consistent: bool,
-    agreeing: bool,
+    same_parents: bool,
     virtual_root: bool,
     map: MapLike = map,
 ) -> list[Hierarchy]:
-    """Build the hierarchy of each scan from the labels of its points.
+    """Build the hierarchy of each scan from the labels of its points (section 3.2.1 of the paper).
 
     Parameters
     ----------
@@ -49,25 +50,26 @@ def labelled_hierarchies(
         For each scan: (N, 3) points, (N,) labels, the point at the plant base, `Neighbors`.
     consistent : bool
         Whether an organ has the same label in all scans; they then have the same root.
-    agreeing : bool
+    same_parents : bool
         Whether an organ with consistent labels has the same parent in all scans.
     virtual_root : bool
         Whether no label is the stem: all segments become children of an empty root.
     map : map-like callable
         Maps over the scans.
 
-    References
-    ----------
-    Section 3.2.1 of the paper.
+    Returns
+    -------
+    list of Hierarchy
     """
     if virtual_root:
-        return [under_virtual_root(names) for names in labels]
+        return [under_virtual_root(scan_labels) for scan_labels in labels]
     gaps = list(map(segment_gaps, clouds, labels, neighbors))
-    ranks = parent_ranks(labels, gaps) if consistent and agreeing else None
-    roots = [int(names[base]) for names, base in zip(labels, bases, strict=True)]
+    ranks = parent_ranks(labels, gaps) if consistent and same_parents else None
+    roots = [int(scan_labels[base]) for scan_labels, base in zip(labels, bases, strict=True)]
     if consistent:  # in a late scan, a drooping leaf may hang lower than the base of the stem
         usual = Counter(roots).most_common(1)[0][0]
-        roots = [usual if usual in names else own for names, own in zip(labels, roots, strict=True)]
+        pairs = zip(labels, roots, strict=True)
+        roots = [usual if usual in organs else own for organs, own in pairs]
     build = partial(hierarchy_from_labels, ranks=ranks)
     return list(map(build, clouds, labels, roots, gaps))
 
@@ -88,29 +90,29 @@ def coarse_hierarchies(
         Of all points; the parents are found from `COARSE_POINTS` of each organ.
     """
     hierarchies = []
-    for cloud, names, base in zip(clouds, labels, bases, strict=True):
-        _, members = split_by_label(names)
-        sample = np.concatenate([each[:: -(-len(each) // COARSE_POINTS)] for each in members])
-        coarse = hierarchy_from_labels(cloud[sample], names[sample], int(names[base]))
-        with_virtual_root = (*members, np.empty(0, np.intp))
-        hierarchies.append(replace(coarse, segments=with_virtual_root[: len(coarse.segments)]))
+    for cloud, scan_labels, base in zip(clouds, labels, bases, strict=True):
+        _, members = split_by_label(scan_labels)
+        sample = np.concatenate([organ[:: -(-len(organ) // COARSE_POINTS)] for organ in members])
+        coarse = hierarchy_from_labels(cloud[sample], scan_labels[sample], int(scan_labels[base]))
+        segments = (*members, np.empty(0, np.intp))[: len(coarse.segments)]  # a virtual root's last
+        hierarchies.append(replace(coarse, segments=segments))
     return hierarchies
 
 
 def parent_ranks(labels: Sequence[Labels], gaps: Sequence[Gaps]) -> Ranks:
-    """Rank the possible parents of organs by their mean gaps, over all scans with both.
+    """Rank the possible parents of organs by their mean gap over all scans that show both organs.
 
     In a dense crown, leaves touch branches that they don't grow from, and may be nearer to them in
     a single scan than to their parent. But an organ touches its parent in every scan, and is not
-    older than it. Where two organs are not adjacent, their gap counts as `MAX_GAP`.
+    older than it. In a scan in which they are not adjacent, the gap counts as `MAX_GAP`.
     """
-    present = [set(np.unique(names).tolist()) for names in labels]
+    present = [set(np.unique(scan_labels).tolist()) for scan_labels in labels]
     first = {label: scan for scan in reversed(range(len(present))) for label in present[scan]}
     ranks = {}
-    for pair in {pair for of_scan in gaps for pair in of_scan}:
+    for pair in {pair for scan_gaps in gaps for pair in scan_gaps}:
         scans = zip(gaps, present, strict=True)
-        of_pair = [g.get(pair, MAX_GAP) for g, organs in scans if organs.issuperset(pair)]
-        ranks[pair] = first[pair[1]] > first[pair[0]], float(np.mean(of_pair))
+        pair_gaps = [g.get(pair, MAX_GAP) for g, organs in scans if organs.issuperset(pair)]
+        ranks[pair] = first[pair[1]] > first[pair[0]], float(np.mean(pair_gaps))
     return ranks
 
 
@@ -123,16 +125,16 @@ def hierarchy_from_labels(
 ) -> Hierarchy:
     """Build the hierarchy of one scan from the labels of its points, by Prim's algorithm.
 
-    gaps: as `segment_gaps` returns them. ranks: those of all scans, as `parent_ranks` returns them,
-    to use instead of the gaps.
+    gaps: as `segment_gaps` returns them, computed by default. ranks: as `parent_ranks` returns
+    them, to be used instead of the gaps of this scan.
     """
-    names, segments = split_by_label(labels)
+    distinct, segments = split_by_label(labels)
     gaps = segment_gaps(points, labels) if gaps is None else gaps
     root_gaps = [gap for (label, _), gap in gaps.items() if label == root_label]
     if len(segments) > 2 and min(root_gaps) > MAX_ROOT_GAP:
         return under_virtual_root(labels)
     ranks = ranks or {pair: (False, gap) for pair, gap in gaps.items()}
-    number = {name: index for index, name in enumerate(names)}
+    number = {label: index for index, label in enumerate(distinct)}
     edges = defaultdict(list)
     for (child, parent), rank in ranks.items():
         if child in number and parent in number:
@@ -151,18 +153,18 @@ def hierarchy_from_labels(
                 f"segment {child} touches no other one; it was hung on segment {parent} "
                 f"across a gap of {gap:.3g} point spacings"
             )
-    root, above = number[root_label], [number[parents[name]] for name in names]
-    above[root] = NO_PARENT
-    return Hierarchy(tuple(segments), tuple(names), tuple(above), root, tuple(notes))
+    root, numbers = number[root_label], [number[parents[label]] for label in distinct]
+    numbers[root] = NO_PARENT
+    return Hierarchy(tuple(segments), tuple(distinct), tuple(numbers), root, tuple(notes))
 
 
 def under_virtual_root(labels: NDArray[np.integer]) -> Hierarchy:
     """Make all segments children of a virtual, empty root (Komatsuna in section 4 of the paper)."""
-    names, segments = split_by_label(labels)
+    distinct, segments = split_by_label(labels)
     virtual = len(segments)
     return Hierarchy(
         segments=(*segments, np.empty(0, np.intp)),
-        labels=(*names, None),
+        labels=(*distinct, None),
         parents=(*[virtual] * virtual, NO_PARENT),
         root=virtual,
         notes=("no segment is the others' stem; all hang under a virtual, empty root",),

@@ -11,7 +11,7 @@ from baker.geometry.graph import chain_ends, connected_knn_graph
 from baker.geometry.neighbors import Neighbors
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
-DEFAULT_THRESHOLD = 0.18  # c, as a share of the longest path from the root
+DEFAULT_THRESHOLD = 0.18  # the paper's c : longest path from the root (docs/method.md, row 10)
 
 
 def hierarchy_from_spanning_tree(
@@ -21,7 +21,7 @@ def hierarchy_from_spanning_tree(
     k: int = 15,
     threshold: int | None = None,
 ) -> Hierarchy:
-    """Segment a cloud at the bifurcations of its minimum spanning tree.
+    """Segment a cloud at the bifurcations of its minimum spanning tree (section 3.2.2).
 
     Parameters
     ----------
@@ -29,15 +29,16 @@ def hierarchy_from_spanning_tree(
     root : int
         Index of the point at the plant base.
     neighbors : Neighbors, optional
+        Of the points; queried by default.
     k : int
         Number of neighbours in the kNN graph.
     threshold : int, optional
-        The paper's c: the longest path of a segment has more edges. By default 18 % of the
-        longest path from the root.
+        The paper's c, a number of edges: branches with a longer path are segments. By default
+        18 % of the longest path from the root.
 
-    References
-    ----------
-    Section 3.2.2 of the paper.
+    Returns
+    -------
+    Hierarchy
     """
     from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 
@@ -46,14 +47,14 @@ def hierarchy_from_spanning_tree(
     longest = longest_paths(order, parent)
     c = round(DEFAULT_THRESHOLD * int(longest[root])) if threshold is None else threshold
     # A segment starts at the root, and at each of several long branches of a point.
-    long = order[1:][longest[order[1:]] > c]
-    branches = np.bincount(parent[long], minlength=len(points))
-    starts = np.append(root, long[branches[parent[long]] > 1])
-    above = parent.astype(np.intp)
-    above[starts] = starts
+    heads = order[1:][longest[order[1:]] > c]  # the first points of long branches
+    branches = np.bincount(parent[heads], minlength=len(points))
+    starts = np.append(root, heads[branches[parent[heads]] > 1])
+    previous = parent.astype(np.intp)  # in the same segment
+    previous[starts] = starts
     number = np.empty(len(points), np.intp)
     number[starts] = np.arange(len(starts))
-    segment = number[chain_ends(above)]
+    segment = number[chain_ends(previous)]
     parents = [NO_PARENT, *segment[parent[starts[1:]]].tolist()]
     gaps = graph.nnz - len(points) * min(k, len(points) - 1)
     notes = (f"{gaps} gaps in the cloud bridged where they are narrowest",) if gaps else ()
@@ -62,7 +63,7 @@ def hierarchy_from_spanning_tree(
 
 
 def longest_paths(order: NDArray[np.integer], parent: NDArray[np.integer]) -> NDArray[np.intp]:
-    """(N,) the paper's m_v: number of edges of the longest path from each point to a leaf.
+    """(N,) the paper's m_v: number of edges of the longest path from each point to a tip.
 
     order: (N,) points of a tree, parents before their children. parent: (N,) of each point.
     """

@@ -6,27 +6,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-NO_PARENT = -1
+NO_PARENT = -1  # the parent of a root
 
 
 @dataclass(frozen=True)
 class Hierarchy:
-    """A tree of segments, which partition the points of a scan.
+    """A tree of segments, which partition the points of a scan."""
 
-    segments: (n,) intp point indices of each segment; those of a virtual root are empty.
-    labels:   label of each segment in the scan; None for a virtual root, or without labels.
-    parents:  index of the segment that each one grows from, NO_PARENT for the root.
-    root:     index of the root segment.
-    notes:    sentences for the user (gaps bridged, a virtual root).
-    organs:   track id of each segment, once organs are tracked.
-    """
-
-    segments: tuple[NDArray[np.intp], ...]
-    labels: tuple[int | None, ...]
-    parents: tuple[int, ...]
-    root: int
-    notes: tuple[str, ...] = ()
-    organs: tuple[int, ...] = ()
+    segments: tuple[NDArray[np.intp], ...]  # (n,) indices of points; of a virtual root none
+    labels: tuple[int | None, ...]  # in the scan; None for a virtual root, or without labels
+    parents: tuple[int, ...]  # index of the segment that each one grows from, or NO_PARENT
+    root: int  # index of the root segment
+    notes: tuple[str, ...] = ()  # sentences for the user (gaps bridged, a virtual root)
+    organs: tuple[int, ...] = ()  # track id of each segment, once organs are tracked
 
     def numbers(self) -> NDArray[np.int64]:
         """(N,) the index of each point's segment."""
@@ -36,6 +28,7 @@ class Hierarchy:
         return numbers
 
     def children(self, segment: int) -> list[int]:
+        """The segments that grow from a segment."""
         return [child for child, parent in enumerate(self.parents) if parent == segment]
 
     def ancestors(self, segment: int) -> list[int]:
@@ -64,20 +57,31 @@ class Hierarchy:
             notes=self.notes,
         )
 
-    def from_the_root(self) -> list[int]:
+    def parents_first(self) -> list[int]:
         """All segments, sorted so that parents precede their children."""
         depth = [len(self.ancestors(segment)) for segment in range(len(self.segments))]
         return sorted(range(len(self.segments)), key=depth.__getitem__)
 
 
 def one_segment(points: int) -> Hierarchy:
-    """A hierarchy of one segment with all points (the paper's Figure 3)."""
+    """A hierarchy whose only segment has all points, of that number (the paper's Figure 3)."""
     return Hierarchy((np.arange(points),), (0,), (NO_PARENT,), 0)
 
 
 def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray[np.intp]]]:
-    """The distinct labels in ascending order, and the indices of the points with each of them."""
-    names, index = np.unique(labels, return_inverse=True)
-    keys = index.astype(np.int16) if len(names) <= 2**15 else index  # int16 sorts 4 times as fast
+    """Group (N,) points by their labels.
+
+    Returns
+    -------
+    labels : list of int
+        The distinct labels in ascending order.
+    members : list of (n,) intp ndarray
+        The indices of the points with each label, ascending. Equivalent to
+        ``[np.flatnonzero(labels == label) for label in np.unique(labels)]``.
+    """
+    distinct, index = np.unique(labels, return_inverse=True)
+    keys = (
+        index.astype(np.int16) if len(distinct) <= 2**15 else index
+    )  # int16 sorts 4 times as fast
     order = np.argsort(keys, kind="stable")
-    return names.tolist(), np.split(order, np.cumsum(np.bincount(index))[:-1])
+    return distinct.tolist(), np.split(order, np.cumsum(np.bincount(index))[:-1])

@@ -8,19 +8,20 @@ from numpy.typing import NDArray
 from baker.geometry.neighbors import Neighbors
 from baker.scans.scan import Scan
 
-MAX_CHANGED_SHARE = 0.5  # of an organ's points; if more would change, its label stays
+MAX_CHANGED_SHARE = 0.5  # of an organ's points; if more would change, none does
+MIN_MAJORITY = 0.5  # share of a point's neighbours that decides about its label
 
 
 def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.int64]:
     """Replace the labels of specks, and missing labels, by that of most of their neighbours.
 
-    A speck is a small group of points among points of other organs; if it is far from them, its
-    label stays. Negative labels are missing ones, and are replaced where most neighbours have one.
-    Every label remains at some points.
+    A speck is a small connected component of an organ among points of other organs. One that is
+    isolated in space keeps its label. No label disappears.
 
-    labels: (N,), returned itself if nothing is changed.
+    labels: (N,), returned itself if nothing is changed. Negative labels are missing ones, and are
+    replaced where most neighbours have a label.
     """
-    names, organ = np.unique(labels, return_inverse=True)
+    distinct, organ = np.unique(labels, return_inverse=True)
     neighbor_organ = organ[neighbors.indices]
     if not neighbor_organ.size:
         return labels
@@ -29,15 +30,15 @@ def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.
     changed = np.bincount(organ[noise], minlength=len(size))
     noise = noise[(changed <= MAX_CHANGED_SHARE * size)[organ[noise]]]
     unlabelled = np.flatnonzero(labels < 0)
-    labelled_share = (names[neighbor_organ[unlabelled]] >= 0).mean(axis=1)
-    noise = np.union1d(noise, unlabelled[labelled_share > MAX_CHANGED_SHARE])
+    labelled_share = (distinct[neighbor_organ[unlabelled]] >= 0).mean(axis=1)
+    noise = np.union1d(noise, unlabelled[labelled_share > MIN_MAJORITY])
     if not len(noise):
         return labels
     candidates = neighbor_organ[noise]
-    is_excluded = (names[candidates] < 0) | (candidates == organ[noise, None])
-    votes = np.where(is_excluded, len(names), candidates)
-    organ[noise] = [np.bincount(row)[: len(names)].argmax() for row in votes]
-    return names[organ]
+    is_excluded = (distinct[candidates] < 0) | (candidates == organ[noise, None])
+    votes = np.where(is_excluded, len(distinct), candidates)
+    organ[noise] = [np.bincount(row)[: len(distinct)].argmax() for row in votes]
+    return distinct[organ]
 
 
 def _is_speck(
@@ -59,7 +60,7 @@ def _is_speck(
     graph = csr_matrix((np.ones(len(row), bool), edges), (len(organ), len(organ)))
     component = connected_components(graph, directed=False)[1]
     size = np.bincount(component)
-    size[component[~at_border]] = len(organ)  # components with inner points are no specks
+    size[component[~at_border]] = len(organ)  # a component with inner points is not a speck
     largest = np.zeros(organ.max() + 1, np.intp)
     np.maximum.at(largest, organ, size[component])
     foreign_share = np.bincount(component[border], is_foreign.mean(axis=1), len(size)) / size
@@ -67,12 +68,12 @@ def _is_speck(
     distances = np.where(is_foreign, neighbors.distances[border], np.inf)
     np.minimum.at(gap, component[border], distances.min(axis=1))
     is_near = gap <= np.median(neighbors.distances[:, -1])
-    is_speck = is_near & (foreign_share > 0.5) & (size <= neighbor_organ.shape[1])
+    is_speck = is_near & (foreign_share > MIN_MAJORITY) & (size <= neighbor_organ.shape[1])
     return np.asarray(is_speck[component] & (size[component] < largest[organ]))
 
 
 def with_clean_labels(scan: Scan, neighbors: Neighbors) -> Scan:
-    """Apply `clean_labels` to a scan, with a note on the number of points changed."""
+    """Apply `clean_labels` to a scan, and note the number of points changed."""
     if scan.labels is None:
         return scan
     labels = clean_labels(scan.labels, neighbors)

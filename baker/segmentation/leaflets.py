@@ -1,8 +1,8 @@
 """Segment an organ into leaflets: the leaves of a twig, or the leaflets of a compound leaf.
 
 One label may be that of a branch with all its leaves. A leaflet is a branch of the merge tree of
-the geodesic distance from the attachment point; the points below all merges are the stalk. A single
-blade has no leaflets, since the branches at its margin are short.
+the geodesic distance from the attachment point; the points nearer to the attachment point than all
+merges are the stalk. A single blade has no leaflets, since the branches at its margin are short.
 """
 
 import numpy as np
@@ -15,8 +15,8 @@ NEIGHBORS = 5  # of the kNN graph; more neighbours would connect leaves that are
 MIN_LENGTH_IN_EDGES = 3.0  # of a leaflet, in median edge lengths of the graph
 MIN_LENGTH = 0.03  # of a leaflet, as a share of the organ's longest geodesic distance
 MIN_RELATIVE_LENGTH = 1 / 3  # of a leaflet, as a share of the leaflet that it merges with
-MIN_POINTS = 5
-MAX_POINTS_SEARCHED = 2000  # more points don't improve the segmentation
+MIN_POINTS = 5  # of a leaflet
+MAX_POINTS_SEARCHED = 2000  # of the organ; more points don't improve the segmentation
 
 
 def segment_leaflets(points: NDArray[np.floating], attachment: int) -> NDArray[np.intp]:

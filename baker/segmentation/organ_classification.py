@@ -12,18 +12,22 @@ from numpy.typing import NDArray
 from baker.geometry.principal_axes import principal_spreads
 from baker.segmentation.reeb_graph import PlantSample, ReebTree
 
-BALL_RADIUS = 1.0  # of the neighbourhood, in stem diameters
+# docs/method.md, "Organs without labels".
+BALL_RADIUS = 1.0  # of the neighbourhood of a point, in stem diameters
 MIN_ROD_FLATNESS = 0.55  # ratio of the least two axes of a neighbourhood, above which it is a rod
 FLATNESS_RANGE = 0.3  # distance from that ratio at which the score is 1
 WIDTH_WEIGHT = 0.6  # of the logarithm of a section's width in stem diameters
 MIN_BLADE_AREA = 0.7  # in squared stem diameters
 MIN_SLENDERNESS = 1.25  # squared length : area, above which a branch of a blade is a separate blade
 MIN_BARE_LENGTH = 2.0  # of a branch without blades that is an organ, in stem diameters
-STEM = 0
+STEM = 0  # the organ of stem and petioles
 
 
 def blade_scores(sample: PlantSample, tree: ReebTree) -> NDArray[np.float64]:
-    """(n,) score of each point of the sample, from -1 (on stem or petiole) to 1 (on a blade)."""
+    """(n,) scores of the points of a sample, from -1 (on stem or petiole) to 1 (on a blade).
+
+    They depend on the flatness around the point and on the width of its section.
+    """
     flat = (MIN_ROD_FLATNESS - flatness(sample)) / FLATNESS_RANGE
     wide = np.log(np.clip(tree.width / sample.diameter, 1.0 / np.e, np.e))
     return np.clip(flat + WIDTH_WEIGHT * wide[tree.node], -1.0, 1.0)
@@ -34,7 +38,7 @@ def organs_of_nodes(
 ) -> NDArray[np.intp]:
     """(m,) organ of each node: 0 for stem and petioles, from 1 on for blades and bare branches.
 
-    scores: (n,) as `blade_scores` returns them.
+    scores: (n,) of the points of the sample, as `blade_scores` returns them.
     """
     score, area = (
         tree.subtree_sums(sample.spacing**2 * np.bincount(tree.node, weights))
@@ -43,40 +47,40 @@ def organs_of_nodes(
     min_area = MIN_BLADE_AREA * sample.diameter**2
     starts = _blade_starts(tree, score - min_area)
     has_blades = tree.subtree_sums(starts) > 0
-    is_slender = (area > min_area) & (tree.reach**2 >= MIN_SLENDERNESS * area)
-    is_long = tree.reach >= MIN_BARE_LENGTH * sample.diameter
+    is_slender = (area > min_area) & (tree.tip_distance**2 >= MIN_SLENDERNESS * area)
+    is_long = tree.tip_distance >= MIN_BARE_LENGTH * sample.diameter
     organ, in_blade = np.zeros(len(starts), np.intp), np.zeros(len(starts), bool)
     for node, children in enumerate(tree.children):
         if starts[node]:
             organ[node] = organ.max() + 1
         in_blade[node] |= starts[node] and has_blades[node]
         organ[children], in_blade[children] = organ[node], in_blade[node]
-        # Where a blade or a bare branch forks, its main branch goes on and the others are organs.
+        # Where a blade or a bare branch forks, it continues in its largest or longest branch.
         if in_blade[node]:
             starts[children] = False
             branches = sorted((c for c in children if is_slender[c]), key=lambda c: -area[c])[1:]
         else:
             branches = [c for c in children if is_long[c] and not has_blades[c]]
             if not has_blades[node]:
-                branches = sorted(branches, key=lambda c: -tree.reach[c])[1:]
+                branches = sorted(branches, key=lambda c: -tree.tip_distance[c])[1:]
         starts[branches] = True
     return organ
 
 
 def flatness(sample: PlantSample) -> NDArray[np.float64]:
-    """(n,) ratio of the least two axes of each ball of points: 1 in a rod, 0 on a flat sheet."""
+    """(n,) ratio of the two smaller principal axes around points: 1 in a rod, 0 on a flat sheet."""
     spreads = principal_spreads(sample.points, BALL_RADIUS * sample.diameter)
     return spreads[:, 0] / np.maximum(spreads[:, 1], np.finfo(float).tiny)
 
 
 def _blade_starts(tree: ReebTree, blade_score: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """(m,) whether a subtree scores higher as one blade than with blades that start further out.
+    """(m,) whether a node's subtree scores higher as one blade than with blades nearer to its tips.
 
-    blade_score: (m,) score of the subtree of each node as one blade.
+    blade_score: (m,) score of the subtree of each node if it is one blade.
     """
     best, starts = np.zeros(len(blade_score)), np.zeros(len(blade_score), bool)
     for node in range(len(blade_score) - 1, -1, -1):
-        of_children = sum(best[child] for child in tree.children[node])
-        starts[node] = blade_score[node] > max(of_children, 0.0)
-        best[node] = blade_score[node] if starts[node] else of_children
+        children_score = sum(best[child] for child in tree.children[node])
+        starts[node] = blade_score[node] > max(children_score, 0.0)
+        best[node] = blade_score[node] if starts[node] else children_score
     return starts

@@ -1,8 +1,8 @@
 """Segment scans without labels into organs: stem with petioles, leaf blades, bare branches.
 
 The scans are segmented from the last one to the first, and the organs of the next scan at the same
-place are taken into account: a leaf that is unfolded on day 9 shows what the bud of day 5 is. The
-previous scan would not help, since it has a stem or nothing at the place of a new leaf.
+position are taken into account: a leaf that is unfolded on day 9 identifies its bud of day 5. The
+previous scan would not help, since a new leaf has no organ, or the stem, in its position there.
 """
 
 from collections.abc import Sequence
@@ -14,17 +14,22 @@ from baker.geometry.parallel import MapLike
 from baker.segmentation.organ_classification import STEM, blade_scores, organs_of_nodes
 from baker.segmentation.reeb_graph import PlantSample, ReebTree, reeb_tree, sample_plant
 
-MAX_DISTANCE = 2.0  # from a point to the next scan's, in stem diameters, where its weight is 0
+Points = NDArray[np.floating]
+Floats = NDArray[np.float64]
+Indices = NDArray[np.intp]
+
+# docs/method.md, "Organs without labels".
+MAX_DISTANCE = 2.0  # stem diameters to the next scan, at which its weight is 0
 NEXT_WEIGHT = 0.5  # greatest weight of the next scan; that of the scan itself is 1
 MIN_TOUCHING_SHARE = 0.4  # of the points of a strip, except for its base, that touch its organ
-MAX_GAP = 3.0  # between points that touch, in point spacings
-BASE_LENGTH = 2.0  # of an organ's base, in level sets
+MAX_GAP = 3.0  # point spacings between points that touch
+BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of a level set
 
 
 def segment_organs(
-    clouds: Sequence[NDArray[np.floating]], bases: Sequence[int], map: MapLike = map
+    clouds: Sequence[Points], bases: Sequence[int], map: MapLike = map
 ) -> list[NDArray[np.int64]]:
-    """Segment the scans of a plant into organs.
+    """Segment the scans of a plant into organs by their shape.
 
     Parameters
     ----------
@@ -51,19 +56,15 @@ def segment_organs(
     return numbers[::-1]
 
 
-def _prepare(
-    cloud: NDArray[np.floating], base: int
-) -> tuple[PlantSample, ReebTree | None, NDArray[np.float64] | float]:
+def _prepare(cloud: Points, base: int) -> tuple[PlantSample, ReebTree | None, Floats | float]:
     """The sample, Reeb tree and blade scores of a scan; no tree if the scan is too small."""
     sample = sample_plant(cloud, base)
     tree = reeb_tree(sample) if sample.diameter > 0.0 else None
     return sample, tree, 0.0 if tree is None else blade_scores(sample, tree)
 
 
-def _scores_from_next(
-    sample: PlantSample, following: PlantSample, organ: NDArray[np.intp]
-) -> NDArray[np.float64]:
-    """(n,) blade scores of the points of a scan, from the organs of the following scan there."""
+def _scores_from_next(sample: PlantSample, following: PlantSample, organ: Indices) -> Floats:
+    """(n,) blade scores of the points of a scan, from the nearest organs of the following scan."""
     from scipy.spatial import KDTree
 
     distance, nearest = KDTree(following.points).query(sample.points)
@@ -71,27 +72,30 @@ def _scores_from_next(
     return NEXT_WEIGHT * np.where(organ[nearest] == STEM, -weight, weight)
 
 
-def merge_strips(sample: PlantSample, organ: NDArray[np.intp]) -> NDArray[np.intp]:
-    """Merge organs that touch another one along most of their length, the smallest first.
+def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
+    """Merge organs that touch another organ along most of their length, the smallest first.
 
-    Such organs are strips of the other one: in sparse scans, a blade or stem with a gap seems to
-    fork there. Other organs touch their parent only at the base.
+    Such an organ is a strip of the one it touches: in sparse scans, a blade or stem with a gap
+    seems to fork there. Separate organs touch their parent only at the base.
 
     organ: (n,) of each point of the sample; 0 is the stem.
     """
-    near, organ = sample.graph.copy(), organ.copy()
-    near.data = (near.data <= MAX_GAP * sample.spacing).astype(np.float64)
-    near = near + near.T
+    adjacency, organ = sample.graph.copy(), organ.copy()
+    adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)
+    adjacency = adjacency + adjacency.T
     while True:
-        is_of = np.eye(organ.max() + 1)[organ]  # (n, m)
+        is_of = np.eye(organ.max() + 1)[organ]  # (n, m) indicators of m organs
         base = np.where(is_of > 0.0, sample.distance[:, None], np.inf).min(axis=0)
         is_beyond = sample.distance > base[organ] + BASE_LENGTH * sample.thickness
-        size, beyond = is_of.sum(axis=0), is_of[is_beyond].sum(axis=0)
-        touching = is_of[is_beyond].T @ (near @ is_of > 0.0)[is_beyond]  # points of one at another
-        is_strip = (touching > MIN_TOUCHING_SHARE * beyond[:, None]) & (beyond[:, None] <= size)
+        size, beyond_size = is_of.sum(axis=0), is_of[is_beyond].sum(axis=0)
+        # (m, m) number of points of the row's organ that touch the column's
+        touching = is_of[is_beyond].T @ (adjacency @ is_of > 0.0)[is_beyond]
+        is_strip = (touching > MIN_TOUCHING_SHARE * beyond_size[:, None]) & (
+            beyond_size[:, None] <= size
+        )
         is_strip[STEM] = False
         np.fill_diagonal(is_strip, False)
         if not is_strip.any():
             return organ
-        smallest = np.where(is_strip.any(axis=1), beyond, np.inf).argmin()
+        smallest = np.where(is_strip.any(axis=1), beyond_size, np.inf).argmin()
         organ[organ == smallest] = is_strip[smallest].argmax()

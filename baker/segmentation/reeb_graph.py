@@ -22,12 +22,14 @@ from baker.segmentation.hierarchy import split_by_label
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
-COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # most points of the samples to measure the stem, to segment
+# docs/method.md, "Organs without labels".
+COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # most points to measure the stem, and to segment the plant
 VOXEL_SIZE = 0.2  # in stem diameters
 LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.35, 2.5  # in stem diameters; at least, in point spacings
 STEM_LENGTH = 6.0  # of the part of the stem that is measured, in its diameters
-MIN_POINTS, MIN_POINTS_OF_SECTION = 30, 6
-MAX_ITERATIONS = 15
+MIN_POINTS, MIN_POINTS_OF_SECTION = 30, 6  # to measure the stem: of the sample, of a section
+FIRST_DIAMETER = 8.0  # point spacings, from which the fixed-point iteration starts
+MAX_ITERATIONS, MAX_CHANGE = 15, 0.02  # of that iteration; relative change at which it ends
 MAX_HOLE = 2.0  # length of a loop that is a hole in the scan, in stem diameters
 
 
@@ -57,7 +59,7 @@ class ReebTree:
     parent: list[int]  # of each node; -1 for the root, node 0
     children: list[list[int]]
     width: NDArray[np.float64]  # (m,) width of each node's section
-    reach: NDArray[np.float64]  # (m,) distance from the start of each node to its farthest tip
+    tip_distance: NDArray[np.float64]  # (m,) from the start of each node to its farthest tip
 
     def subtree_sums(self, values: NDArray[np.number | np.bool_]) -> NDArray[np.float64]:
         """(m,) sums of (m,) values over the subtree of each node."""
@@ -71,19 +73,19 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
     """Compute the Reeb graph of the geodesic distance from the base, with its loops cut."""
     level = (sample.distance / sample.thickness).astype(np.intp)
     node, parent, depth = np.full(len(level), -1), list[int](), list[int]()
-    # The first point of the shortest path to each point that is in the same level set.
+    # On the shortest path to each point, the point where it enters the level set of that point.
     previous = sample.predecessor
     is_inside = (previous >= 0) & (level[previous] == level)
     entry = chain_ends(np.where(is_inside, previous, np.arange(len(level))))
     for members in _level_components(sample.graph, level):
-        here, before_entry = int(level[members[0]]), previous[entry[members]]
+        node_level, before_entry = int(level[members[0]]), previous[entry[members]]
         source = np.where(before_entry < 0, -1, node[before_entry])
         # Split the component by the nodes that it is reached from, unless they enclose a hole.
         origins, counts = np.unique(source, return_counts=True)
         groups: dict[int, list[int]] = {}
         for origin in origins[np.argsort(-counts, kind="stable")].tolist():
             for main in groups:
-                loop = here - depth[_common_ancestor(parent, origin, main)]
+                loop = node_level - depth[_common_ancestor(parent, origin, main)]
                 if loop * sample.thickness < MAX_HOLE * sample.diameter:
                     break
             else:
@@ -92,20 +94,20 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
         for main, group in groups.items():
             node[members[np.isin(source, group)]] = len(parent)
             parent.append(main)
-            depth.append(here)
+            depth.append(node_level)
     return _measure_tree(sample, node, parent)
 
 
 def _level_components(graph: "csr_matrix", level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
-    """The connected components of all level sets, sorted by level."""
+    """The points of each connected component of all level sets, sorted by level."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
     edges = graph.tocoo()
     inside = level[edges.row] == level[edges.col]
     shape = edges.shape
-    kept = coo_matrix((edges.data[inside], (edges.row[inside], edges.col[inside])), shape)
-    _, component = connected_components(kept, directed=False)
+    within_levels = coo_matrix((edges.data[inside], (edges.row[inside], edges.col[inside])), shape)
+    _, component = connected_components(within_levels, directed=False)
     order = np.lexsort((component, level))
     return np.split(order, np.flatnonzero(np.diff(component[order])) + 1)
 
@@ -118,14 +120,17 @@ def _common_ancestor(parent: list[int], i: int, j: int) -> int:
 
 
 def _measure_tree(sample: PlantSample, node: NDArray[np.intp], parent: list[int]) -> ReebTree:
+    """Measure the widths and lengths of a tree, and list the children of its nodes."""
     children: list[list[int]] = [[] for _ in parent]
-    reach = np.full(len(parent), sample.thickness)
+    tip_distance = np.full(len(parent), sample.thickness)
     for child in range(len(parent) - 1, 0, -1):
         children[parent[child]].insert(0, child)
-        reach[parent[child]] = max(reach[parent[child]], reach[child] + sample.thickness)
+        tip_distance[parent[child]] = max(
+            tip_distance[parent[child]], tip_distance[child] + sample.thickness
+        )
     _, members = split_by_label(node)
     width = np.array([section_width(sample.points[m], sample.distance[m]) for m in members])
-    return ReebTree(node, parent, children, width, reach)
+    return ReebTree(node, parent, children, width, tip_distance)
 
 
 def sample_plant(points: NDArray[np.floating], base: int) -> PlantSample:
@@ -142,6 +147,7 @@ def sample_plant(points: NDArray[np.floating], base: int) -> PlantSample:
 
 
 def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int) -> PlantSample:
+    """The sample of one point in each voxel with edges of length `size`, without outliers."""
     from scipy.sparse.csgraph import dijkstra
     from scipy.spatial import KDTree
 
@@ -167,7 +173,7 @@ def _stem_diameter(
     """
     if spacing == 0.0 or len(points) < MIN_POINTS:
         return 0.0
-    diameter = 8.0 * spacing
+    diameter = FIRST_DIAMETER * spacing
     for _ in range(MAX_ITERATIONS):
         thickness = max(LEVEL_THICKNESS * diameter, MIN_LEVEL_THICKNESS * spacing)
         level = np.floor((distance - 0.5 * diameter) / thickness).astype(np.intp)
@@ -180,7 +186,7 @@ def _stem_diameter(
         widths = [section_width(points[section], distance[section]) for section in sections]
         weights, previous = [*map(len, sections)], diameter
         diameter = float(np.quantile(widths, 0.5, weights=weights, method="inverted_cdf"))
-        if abs(diameter - previous) < 0.02 * previous:
+        if abs(diameter - previous) < MAX_CHANGE * previous:
             break
     return diameter
 

@@ -10,11 +10,11 @@ Floats = NDArray[np.float64]
 
 
 @compiled
-def bisect(points: Floats, order: Ints, axes: Ints, known: bool) -> None:
+def bisect(points: Floats, order: Ints, axes: Ints, has_axes: bool) -> None:
     """Sort the `order` of (3, n) points in place, level by level, part by part.
 
-    Part p of a level of `parts` parts is bisected along ``axes[parts + p]``; if the axes are not
-    known, along its longest extent, which is written there. Equivalent, for each part, to
+    Part p of a level of `parts` parts is bisected along ``axes[parts + p]``; unless `has_axes`,
+    along its longest extent, which is written to `axes`. Equivalent, for each part, to
     ``order[begin:stop] = order[begin:stop][np.argsort(points[axis, order[begin:stop]])]``.
     """
     n, parts = len(order), 1
@@ -22,7 +22,7 @@ def bisect(points: Floats, order: Ints, axes: Ints, known: bool) -> None:
         for part in range(parts):
             begin, stop = (part * n + parts - 1) // parts, ((part + 1) * n + parts - 1) // parts
             if stop - begin > 1:
-                if not known:
+                if not has_axes:
                     axes[parts + part] = _longest_extent(points, order[begin:stop])
                 middle = ((2 * part + 1) * n + 2 * parts - 1) // (2 * parts)
                 _select(points[axes[parts + part]], order, begin, stop, middle)

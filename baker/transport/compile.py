@@ -11,7 +11,7 @@ from baker.transport.solve import solve
 def compile_kernels(
     report_progress: Callable[[int, int], None] = lambda done, total: None,
 ) -> str | None:
-    """Compile all functions of the solver, or load them from numba's cache.
+    """Compile all functions of the exact solver, or load them from numba's cache.
 
     Parameters
     ----------

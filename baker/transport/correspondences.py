@@ -19,7 +19,7 @@ class Correspondences:
     columns: Indices  # (M,) points of the end
     distance: float  # Wasserstein distance in length units, over all plans
     marginal_error: float  # L1 error of the marginals, the largest of all plans
-    solver: str  # of the plan with the largest cost
+    solver: str  # of the part with the largest cost
     notes: tuple[str, ...] = ()  # for the report, one sentence each
 
 
@@ -34,7 +34,7 @@ def correspond(
         The organ in two successive scans, in length units.
     options : TransportOptions
     parts : sequence of LeafletPair, optional
-        A partition of the points into parts that are transported separately, with `shared_masses`,
+        A partition of the points into parts that are transported separately, with `overlap_masses`,
         so that the points of a leaf are not transported to new leaves next to it.
 
     Returns
@@ -42,7 +42,7 @@ def correspond(
     Correspondences
     """
     whole = LeafletPair(np.arange(len(start)), np.arange(len(end)), (start, end))
-    options = replace(options, shared=bool(parts))
+    options = replace(options, overlap=bool(parts))
     rows, columns, part_costs, plans = [], [], [], []
     for part in parts or (whole,):
         source, target = start[part.start], end[part.end]

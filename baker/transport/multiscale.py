@@ -23,7 +23,7 @@ from baker.transport.problem import Edges, Indices, Masses, TransportOptions, co
 from baker.transport.space_partition import bisection_order, blocks, refine_plan
 
 BLOCKS_OF_COARSEST_LEVEL = 64  # of either cloud
-BLOCKS_IN_A_BLOCK = 4
+BLOCKS_IN_A_BLOCK = 4  # number of blocks of the next level in a block
 STEPS = (-3, -1, 1, 3)  # in the orders of two bisections, from a point to its neighbours
 POINTS_OF_CELL = 400  # of both clouds together
 MAX_POINTS_OF_ONE_CELL = 3_000  # of both clouds; a smaller level is one cell
@@ -39,12 +39,12 @@ Coupling = tuple[Edges, Masses]
 """The pairs and integer masses of a feasible plan."""
 
 
-def couple(
+def multiscale_plan(
     start: Floats, end: Floats, supply: Masses, demand: Masses, options: TransportOptions
 ) -> Coupling:
-    """The plan of least cost between (n, 3) and (m, 3) points with masses of equal sum."""
+    """Compute the plan of least cost between (n, 3) and (m, 3) points with masses of equal sum."""
     if len(start) < len(end):
-        edges, mass = couple(end, start, demand, supply, options)
+        edges, mass = multiscale_plan(end, start, demand, supply, options)
         return (edges[1], edges[0]), mass
     row, axes = bisection_order(start, options.seed)
     column, _ = bisection_order(end, options.seed, axes)

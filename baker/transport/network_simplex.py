@@ -36,9 +36,9 @@ from numpy.typing import NDArray
 from baker.transport.compiled import compiled
 from baker.transport.problem import Edges, Masses
 
-NO_NODE: Any = np.uint32(0xFFFFFFFF)
+NO_NODE: Any = np.uint32(0xFFFFFFFF)  # in the place of the index of a node
 TOLERANCE = 1e-12  # share of the largest cost; reduced costs above minus this are not negative
-UNBOUNDED = 2**62
+UNBOUNDED = 2**62  # more than any flow
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.integer]
@@ -90,9 +90,9 @@ def improve_cells(
         row_nodes[rows] = np.arange(n, dtype=np.uint32)
         column_nodes[columns] = np.arange(n, count, dtype=np.uint32)
         tree = np.empty(count + 1, NODE)
-        places = np.concatenate([start.take(rows, axis=0), end.take(columns, axis=0)])
+        points = np.concatenate([start.take(rows, axis=0), end.take(columns, axis=0)])
         for axis, name in enumerate("xyz"):
-            tree[name][:count] = places[:, axis]
+            tree[name][:count] = points[:, axis]
         near_rows = row_nodes.take(neighbors[0].take(rows, axis=0))
         near = np.concatenate([near_rows, column_nodes.take(neighbors[1].take(columns, axis=0))])
         arcs = row_nodes.take(tails), column_nodes.take(heads)

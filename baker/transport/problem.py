@@ -18,11 +18,11 @@ Indices = NDArray[np.integer]
 Masses = NDArray[np.int64]  # in integer units, so that sums are exact
 Edges = tuple[Indices, Indices]  # rows and columns of the pairs that may carry mass
 
-# Of `shared_masses`.
-NEIGHBORS = 10  # to the distance of this neighbour, points of the other cloud are counted
-MIN_SHARE = 0.02  # of a uniform mass, so that every point is transported
-MAX_SAMPLE = 250  # points of a cloud whose masses are computed; others along the curve share them
-TOTAL_MASS = 10**9  # integer units
+# Of `overlap_masses`.
+NEIGHBORS = 10  # points of the other cloud are counted within the distance of this neighbour
+MIN_SHARE = 0.02  # least mass, as a share of a uniform one, so that every point is transported
+MAX_SAMPLE = 250  # points of a cloud whose masses are computed, along the Morton curve
+TOTAL_MASS = 10**9  # of each cloud, in integer units
 RIDGE = 1e-4  # of `balance`: share of the mean variance added to each axis of a covariance
 TINY = float(np.finfo(float).tiny)
 
@@ -33,14 +33,14 @@ class TransportOptions:
 
     method: Literal["exact", "sinkhorn"] = "exact"
     power: Literal[1, 2] = 2  # the cost is distance ** power; the paper's is 1
-    neighbors: int = 15  # Sinkhorn: k of the k-nearest-neighbour support, both ways
-    gamma: float = 0.3  # Sinkhorn's regularisation, relative to the support's median cost
-    feasible: bool = True  # Sinkhorn: add feasible plans' pairs to the paper's support
-    tolerance: float = 1e-3  # Sinkhorn stops at this L1 error of the marginals ...
-    iterations: int = 2000  # ... or after so many iterations
+    neighbors: int = 15  # Sinkhorn: k of the support, the k nearest neighbours from both sides
+    gamma: float = 0.3  # Sinkhorn: regularisation, relative to the support's median cost
+    feasible: bool = True  # Sinkhorn: add the pairs of feasible plans to the paper's support
+    tolerance: float = 1e-3  # Sinkhorn: L1 error of the marginals at which iterations stop
+    iterations: int = 2000  # Sinkhorn: most iterations
     seed: int = 0  # of the directions of bisections
     workers: int = 1  # number of threads of the exact method; the plan does not depend on it
-    shared: bool = False  # exact: `shared_masses` instead of `uniform_masses`
+    overlap: bool = False  # exact: `overlap_masses` instead of `uniform_masses`
 
 
 @dataclass(frozen=True)
@@ -94,6 +94,7 @@ def balance(start: Points, end: Points) -> tuple[NDArray[np.float64], NDArray[np
 
 
 def _matrix_powers(matrix: NDArray[np.float64], *exponents: float) -> list[NDArray[np.float64]]:
+    """Powers of a symmetric, positive semidefinite matrix."""
     values, vectors = np.linalg.eigh((matrix + matrix.T) / 2)
     return [
         (vectors * np.maximum(values, TINY if exponent < 0 else 0.0) ** exponent) @ vectors.T
@@ -114,7 +115,7 @@ def make_plan(
 ) -> Plan:
     """Sort the pairs of a coupling, and compute its cost and the error of its marginals.
 
-    mass: (E,), with sum 1; masses: the marginals, by default uniform.
+    mass: (E,) of the pairs, with sum 1. masses: the marginals, by default uniform.
     """
     order = np.argsort(edges[0].astype(np.int64) * len(end) + edges[1], kind="stable")
     rows, columns = edges[0][order], edges[1][order]
@@ -145,12 +146,12 @@ def uniform_masses(n: int, m: int) -> tuple[Masses, Masses]:
     return np.full(n, m // common), np.full(m, n // common)
 
 
-def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
-    """Masses of registered clouds, smaller for points that have no counterparts in the other cloud.
+def overlap_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
+    """Masses of registered clouds, smaller for points without counterparts in the other cloud.
 
     The mass of a point is proportional to the number of points of the other cloud within the
-    distance of its tenth neighbour, corrected for the clouds' sizes, up to ten. For large clouds it
-    is computed on a sample. Masses are integers of at least 1, with equal sums.
+    distance of its tenth neighbour, at most ten, after correction for the clouds' sizes. For large
+    clouds it is computed on a sample. Masses are integers of at least 1, with equal sums.
     """
     from scipy.spatial import KDTree
 
@@ -167,12 +168,12 @@ def shared_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
     return supply, demand
 
 
-def _share(own: "KDTree", other: "KDTree", k: int) -> NDArray[np.float64]:
-    """(n,) number of points of the other cloud near each point, relative to k."""
+def _share(own: "KDTree", target: "KDTree", k: int) -> NDArray[np.float64]:
+    """(n,) number of target points within the k-th neighbour of each own point, relative to k."""
     order, step = morton_order(own.data), -(-own.n // MAX_SAMPLE)
     sample = own.data[order[::step]]
     radius = own.query(sample, k=[k])[0][:, 0] * 1.0001
-    counts = other.query_ball_point(sample, radius, return_length=True)
+    counts = target.query_ball_point(sample, radius, return_length=True)
     share = np.empty(own.n)
-    share[order] = np.clip(counts / other.n * own.n / k, MIN_SHARE, 1.0).repeat(step)[: own.n]
+    share[order] = np.clip(counts / target.n * own.n / k, MIN_SHARE, 1.0).repeat(step)[: own.n]
     return share

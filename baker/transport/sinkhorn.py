@@ -18,10 +18,12 @@ from baker.transport.problem import (
 )
 from baker.transport.space_partition import bisection_plan
 
+Floats = NDArray[np.float64]
+
 FEASIBLE_PLANS = 4  # number of bisection plans that are added to the support
 OVER_RELAXATION = 1.8  # needs 7 to 10 times fewer iterations than 1
-CHEAP_ITERATIONS = 50  # number of plain iterations after one in the log domain
-STALLED_BLOCKS = 5  # number of blocks of iterations without progress before it stops
+CHEAP_ITERATIONS = 50  # number of plain iterations after each one in the log domain
+STALLED_BLOCKS = 5  # number of such blocks of iterations without progress, after which it stops
 MIN_PROGRESS = 0.01  # relative decrease of the error that counts as progress
 MIN_MASS = 1e-12  # share of a point's mass below which a pair is dropped
 
@@ -48,10 +50,10 @@ def regularized_plan(start: Points, end: Points, options: TransportOptions) -> P
         support, cost / (options.gamma * typical), n, m,
         options.tolerance, options.iterations, options.feasible,
     )  # fmt: skip
-    error, kept = scaling.error, _drop_small(support, cost, scaling.mass, n, m)
+    error, remaining = scaling.error, _drop_small(support, cost, scaling.mass, n, m)
     note = f"stopped after {scaling.iterations} iterations at a marginal error of {error:.2g}"
     notes = (note,) if error >= options.tolerance else ()
-    return make_plan(start, end, *kept, options.power, "sinkhorn", notes=notes)
+    return make_plan(start, end, *remaining, options.power, "sinkhorn", notes=notes)
 
 
 def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Points, Points, Edges]:
@@ -137,23 +139,19 @@ def _iterate(kernel: Any, count: int, relaxation: float) -> tuple[NDArray[np.flo
     return v, count
 
 
-def _log_sum_exp(
-    values: NDArray[np.float64], group: Indices, first: Indices
-) -> NDArray[np.float64]:
+def _log_sum_exp(values: Floats, group: Indices, first: Indices) -> Floats:
     """log(sum(exp(values))) of each group of consecutive entries."""
     top = np.maximum.reduceat(values, first)
     return top + np.log(np.add.reduceat(np.exp(values - top[group]), first))
 
 
-def _drop_small(
-    support: Edges, cost: NDArray[np.float64], mass: NDArray[np.float64], n: int, m: int
-) -> tuple[Edges, NDArray[np.float64]]:
+def _drop_small(support: Edges, cost: Floats, mass: Floats, n: int, m: int) -> tuple[Edges, Floats]:
     """Drop pairs with hardly any mass, but keep the largest or else cheapest pair of each point."""
-    kept = mass > MIN_MASS / max(n, m)
+    is_kept = mass > MIN_MASS / max(n, m)
     for side in support:
         order = np.lexsort((cost, -mass, side))
-        kept[order[np.unique(side[order], return_index=True)[1]]] = True
-    return (support[0][kept], support[1][kept]), mass[kept]
+        is_kept[order[np.unique(side[order], return_index=True)[1]]] = True
+    return (support[0][is_kept], support[1][is_kept]), mass[is_kept]
 
 
 def nearest(start: Points, end: Points, k: int) -> Edges:

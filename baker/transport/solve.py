@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from baker.transport.multiscale import MAX_POINTS_PRICED_AT_ONCE, couple
+from baker.transport.multiscale import MAX_POINTS_PRICED_AT_ONCE, multiscale_plan
 from baker.transport.problem import (
     Plan,
     Points,
@@ -10,7 +10,7 @@ from baker.transport.problem import (
     balance,
     costs,
     make_plan,
-    shared_masses,
+    overlap_masses,
     uniform_masses,
 )
 from baker.transport.sinkhorn import regularized_plan
@@ -55,14 +55,14 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
     # `balance` improves the choice of pairs to price; of few points, all pairs are priced.
     if options.power == 2 and min(n, m) > MAX_POINTS_PRICED_AT_ONCE:
         source, target = balance(start, end)
-    masses = shared_masses(start, end) if options.shared else uniform_masses(n, m)
-    edges, mass = couple(source, target, *masses, options)
+    masses = overlap_masses(start, end) if options.overlap else uniform_masses(n, m)
+    edges, mass = multiscale_plan(source, target, *masses, options)
     flow = mass / mass.sum()
     return make_plan(start, end, edges, flow, options.power, "network simplex", masses=masses)
 
 
 def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0) -> float:
-    """2-Wasserstein distance of two segments.
+    """Compute the 2-Wasserstein distance of two segments.
 
     It is exact if both have at most `samples` points. Otherwise the Gaussian part is computed in
     closed form from all points, and the rest from the centroids of `samples` blocks of each
@@ -91,7 +91,7 @@ def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0
         order = bisection_order(cloud, seed)[0]
         sides.append(blocks(cloud[order], mass, samples))
     (rows, supply), (columns, demand) = sides
-    edges, mass = couple(rows, columns, supply, demand, options)
+    edges, mass = multiscale_plan(rows, columns, supply, demand, options)
     remaining_cost = float(mass @ costs(rows, columns, edges, options.power) / supply.sum())
     return max(gaussian_cost + remaining_cost, 0.0) ** 0.5
 
@@ -99,8 +99,8 @@ def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0
 def explained_cost(
     start: Points, end: Points, balanced_start: Points, balanced_end: Points
 ) -> float:
-    """The part of the squared-distance cost that `balance` removes, which all plans have."""
+    """The part of the squared-distance cost that all plans share and that `balance` removes."""
     shift = end.mean(axis=0) - start.mean(axis=0)
     before = start.var(axis=0).sum() + end.var(axis=0).sum()
-    left = balanced_start.var(axis=0).sum() + balanced_end.var(axis=0).sum()
-    return float(shift @ shift + before - left)
+    balanced_variance = balanced_start.var(axis=0).sum() + balanced_end.var(axis=0).sum()
+    return float(shift @ shift + before - balanced_variance)

@@ -11,7 +11,7 @@ from baker.transport.problem import Edges, Indices, Masses, Points
 def bisection_order(
     points: Points, seed: int, axes: Indices | None = None
 ) -> tuple[Indices, Indices]:
-    """Sort a cloud by recursive bisection, so that neighbours in space are near in the order.
+    """Sort (n, 3) points by recursive bisection, so that neighbours in space are near in the order.
 
     Every part is bisected across its longest extent, in a frame that is rotated at random, by the
     seed; or along the `axes` of another cloud of at least as many points, so that the orders of
@@ -20,11 +20,11 @@ def bisection_order(
     """
     from baker.transport.bisection import bisect
 
-    n, known = len(points), axes is not None
+    n, has_axes = len(points), axes is not None
     depth = max(1, (n - 1).bit_length())
     axes = np.zeros(2**depth, np.int64) if axes is None else axes
     order = np.arange(n)
-    bisect(np.ascontiguousarray((points @ random_rotation(seed)).T), order, axes, known)
+    bisect(np.ascontiguousarray((points @ random_rotation(seed)).T), order, axes, has_axes)
     return order, axes
 
 
@@ -35,9 +35,9 @@ def random_rotation(seed: int) -> NDArray[np.float64]:
 
 
 def blocks(points: Points, masses: Masses, count: int) -> tuple[NDArray[np.float64], Masses]:
-    """The centroids and masses of `count` blocks of successive points, at most one a point.
+    """Centroids and masses of `count` blocks of successive points, or of the points if fewer.
 
-    The numbers of points in blocks differ by at most one. Where a count divides another one, the
+    The numbers of points in blocks differ by at most one. If one count divides another one, the
     smaller blocks are nested in the larger ones.
     """
     n = len(points)
@@ -70,11 +70,11 @@ def refine_plan(supply: Masses, demand: Masses, edges: Edges, mass: Masses) -> t
     # A new pair of points starts with each pair of blocks, each row and each column.
     column_pair = by_column[np.searchsorted(sorted_begin, column_ends[:-1], "right") - 1]
     begins = np.sort(np.r_[begin, row_ends[:-1], column_ends[:-1] - shift[column_pair]])
-    handed = np.diff(begins, append=row_ends[-1])
-    begins, handed = begins[handed > 0], handed[handed > 0]
+    flow = np.diff(begins, append=row_ends[-1])
+    begins, flow = begins[flow > 0], flow[flow > 0]
     pair = np.searchsorted(begin, begins, "right") - 1
     i = np.searchsorted(row_ends, begins, "right")
-    return (i, np.searchsorted(column_ends, begins + shift[pair], "right")), handed
+    return (i, np.searchsorted(column_ends, begins + shift[pair], "right")), flow
 
 
 def bisection_plan(

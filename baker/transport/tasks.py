@@ -10,9 +10,9 @@ from baker.matching.match import Match
 from baker.transport.problem import Points
 
 # Number of points from which a new organ unfolds (docs/method.md, row 16).
-ATTACHMENT_SHARE, ORGAN_SHARE = 0.01, 0.1  # of the parent's points; at most, of the organ's
-MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 3, 100
-PAPER_MIN_ATTACHMENT_POINTS = 10
+ATTACHMENT_SHARE, ORGAN_SHARE = 0.01, 0.1  # of the parent's points; greatest, of the organ's
+MIN_ATTACHMENT_POINTS, MAX_ATTACHMENT_POINTS = 3, 100  # limits of that number
+PAPER_MIN_ATTACHMENT_POINTS = 10  # its lower limit with `paper`
 SAMPLE_RATIO = 10  # points sampled for each attachment point, to bound the search for these
 
 
@@ -77,7 +77,7 @@ def _attachment(match: Match, segment: int) -> tuple[int | None, int]:
     (None) if that is a virtual root.
     """
     lineage = [segment, *match.second.ancestors(segment)]
-    starts = [match.start_of(match.second.parents[each]) for each in lineage]
+    starts = [match.start_of(match.second.parents[ancestor]) for ancestor in lineage]
     depth = next((k for k, start in enumerate(starts) if start is not None), -1)
     start, top = starts[depth], lineage[depth]
     if start is not None and not len(match.first.segments[start]):
@@ -93,7 +93,7 @@ def _attachment_points(
     count: int | None,
     paper: bool,
 ) -> NDArray[np.intp]:
-    """The points of `ancestor` that are nearest to the new segment `top`."""
+    """The points of the segment `ancestor` that are nearest to the new segment `top`."""
     from scipy.spatial import KDTree
 
     members = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]

@@ -10,8 +10,8 @@ from gclip import Clip
 from traits.doubts import Doubt
 
 MIN_SHARE = 0.03  # of a scan's points: smaller organs aren't judged (docs/method.md, "The verdict")
-MAX_INTERVALS_NAMED = 3  # in the sentence, the most doubtful ones
-MAX_DOUBTS_NAMED = 2  # of each of these intervals
+MAX_INTERVALS_NAMED = 3  # number of the most doubtful intervals that the sentence names
+MAX_DOUBTS_NAMED = 2  # number of doubts of each of these intervals
 
 
 def verdict_provenance(clip: Clip, doubts: Sequence[Doubt]) -> dict[str, Any]:
@@ -20,7 +20,7 @@ def verdict_provenance(clip: Clip, doubts: Sequence[Doubt]) -> dict[str, Any]:
 
 
 def describe_verdict(clip: Clip, doubts: Sequence[Doubt]) -> str:
-    """One sentence: how many intervals look right, and what is wrong in the most doubtful ones."""
+    """Say in a sentence how many intervals look right, and what is wrong in the most doubtful."""
     by_interval = group_by_interval(doubts)
     clauses = []
     for group in sorted(by_interval[:MAX_INTERVALS_NAMED], key=lambda group: group[0].start):
@@ -35,7 +35,7 @@ def describe_verdict(clip: Clip, doubts: Sequence[Doubt]) -> str:
 
 
 def headline(clip: Clip, doubts: Sequence[Doubt]) -> str:
-    """A clause that says how many intervals look right."""
+    """Say in a clause how many intervals look right: "7 of 8 intervals look right"."""
     count, wrong = len(clip.intervals), len(group_by_interval(doubts))
     if count == 1:
         return "The interval does not look right" if wrong else "The interval looks right"
@@ -45,7 +45,7 @@ def headline(clip: Clip, doubts: Sequence[Doubt]) -> str:
 
 
 def command_for(doubt: Doubt, path: str | Path) -> str:
-    """The command that shows the middle of a doubtful interval."""
+    """The shell command that plays the clip at `path` from the middle of a doubtful interval."""
     return f"play {shlex.quote(str(path))} --day {(doubt.start + doubt.end) / 2:.10g}"
 
 

@@ -13,7 +13,7 @@ from baker.verdict.doubt import MIN_SHARE
 from traits.doubts import Doubt
 
 # Beyond these thresholds an organ's identity is doubtful (docs/method.md, "The verdict").
-MIN_MARGIN = 0.1  # of a pair's score to the next best pairing; a turn by 20 degrees costs as much
+MIN_MARGIN = 0.1  # of a pair's score over that of another pairing; a turn by 20 degrees costs it
 MAX_GROWTH, MAX_SHRINKAGE = 6.0, 3.0  # of an organ's size relative to the plant's other organs
 MIN_SIZE = 1e-3  # relative size, so that growth is finite
 
@@ -23,20 +23,20 @@ def doubtful_identities(
 ) -> Iterator[Doubt]:
     """Yield doubts about the matches and losses of large organs in an interval.
 
-    names: of the organs; confirmed: labels in the first scan of organs that are not in doubt; stem:
-    whether the organ at the plant base is known to be the stem.
+    names: of the organs, by track id. confirmed: labels in the first scan of the organs that are
+    not in doubt. stem: whether the organ at the plant base is known to be the stem.
     """
     first, second = job.match.first, job.match.second
     organs, share, size = _describe(first, job.start.positions, job.bases[0], stem)
     end_organs, end_share, end_size = _describe(second, job.end.positions, job.bases[1], stem)
     starts, ends = np.flatnonzero(share).tolist(), np.flatnonzero(end_share).tolist()
     pairs = [(a, b) for a, b in job.match.pairs if a in starts and b in ends]
-    known = [(starts.index(a), ends.index(b)) for a, b in pairs]
+    matched = [(starts.index(a), ends.index(b)) for a, b in pairs]
     scores = np.zeros((len(first.segments), len(second.segments)))
-    scores[np.ix_(starts, ends)] = match_scores(organs, end_organs, known)
+    scores[np.ix_(starts, ends)] = match_scores(organs, end_organs, matched)
     for pair in pairs:
         scores[pair] -= MIN_MARGIN
-    # As the interval would be matched without the rest of the series.
+    # How the interval would be matched without the rest of the series.
     successor = dict(best_pairs(scores)[0].tolist())
     predecessor = {b: a for a, b in successor.items()}
     for a, b in pairs:
@@ -48,8 +48,8 @@ def doubtful_identities(
         if successor.get(a) != b and (a in successor or b in predecessor):
             is_taken = b in predecessor
             rival = first.organs[predecessor[b]] if is_taken else second.organs[successor[a]]
-            both = " and ".join(names[each] for each in sorted((organ, rival)))
-            yield Doubt(*job.times, organ, f"{both} may be mixed up", 1.0, identity=True)
+            names_of_two = " and ".join(names[track] for track in sorted((organ, rival)))
+            yield Doubt(*job.times, organ, f"{names_of_two} may be mixed up", 1.0, identity=True)
         what, strength = "may be two organs (suddenly much larger)", growth / MAX_GROWTH
         if growth < 1.0:
             what, strength = "may lack a part (suddenly much smaller)", 1 / (growth * MAX_SHRINKAGE)
@@ -65,10 +65,10 @@ def doubtful_identities(
 def _describe(
     hierarchy: Hierarchy, cloud: NDArray[np.floating], base: NDArray[np.floating], stem: bool
 ) -> tuple[OrganDescriptors, NDArray[np.float64], NDArray[np.float64]]:
-    """Describe the organs, the segments that have points.
+    """Describe the organs of a scan, the segments that have points.
 
-    Also return the share of the scan's points that each segment has, and its size relative to the
-    root mean square of all; both are 0 for segments without points.
+    Also return each segment's share of the scan's points, and its size relative to the root mean
+    square of all sizes; both are 0 for segments without points.
     """
     root_point = int(((cloud - base) ** 2).sum(axis=1).argmin())
     organs = describe_organs(cloud, hierarchy, root_point, stem=stem)

@@ -29,7 +29,7 @@ def judge_clip(
     jobs : sequence of IntervalJob
         Of each interval.
     labels : LabelUse
-        Organs that the labels of the scans identify are not taken for one another.
+        Where labels identify organs, their identity is not doubted.
     confirmed : collection of tuple
         (index of the interval, label) of the organs that corrections confirm to be the same.
     map : map-like callable
@@ -40,8 +40,8 @@ def judge_clip(
     def doubts_in(index: int, job: IntervalJob) -> list[Doubt]:
         doubts = [*doubtful_motions(clip.intervals[index], job.attachments, names)]
         if not labels.are_names:
-            same = {label for interval, label in confirmed if interval == index}
-            doubts += doubtful_identities(job, names, same, labels.unlabelled)
+            confirmed_labels = {label for interval, label in confirmed if interval == index}
+            doubts += doubtful_identities(job, names, confirmed_labels, labels.unlabelled)
         return doubts
 
     doubts = [*chain.from_iterable(map(doubts_in, range(len(jobs)), jobs))]

@@ -1,4 +1,4 @@
-"""Judge the motion of an organ by the two ends of its movers, on a sample of them.
+"""Judge the motion of an organ by the ends of a sample of its movers.
 
 The ends are the (2, n, 3) positions of n movers in the first and in the second scan of an interval.
 """
@@ -21,12 +21,12 @@ Points = NDArray[np.floating]
 
 # Beyond these thresholds the motion of an organ is doubtful (docs/method.md, "The verdict").
 MAX_TORN_SHARE, MIN_ORDER_CORRELATION = 0.05, 0.5
-SAMPLE_SIZE = 400  # movers of an organ
-MIN_POINTS = 60  # in both scans, of an organ that is measured
-NEIGHBORS = 6
-NEIGHBOR_DISTANCE, TORN_DISTANCE = 2.5, 8.0  # in point spacings, of neighbours; of torn ones
-TORN_SIZE = 0.7  # in sizes of the organ, torn neighbours are at least so far apart: 1/5 of a rod
-GRAPH_NEIGHBORS = 12
+SAMPLE_SIZE = 400  # number of movers of an organ that are examined
+MIN_POINTS = 60  # of an organ in both scans, to be judged
+NEIGHBORS, NEIGHBOR_DISTANCE = 6, 2.5  # most neighbours of a point; point spacings to them
+# Neighbours in one scan are torn if their distance in the other is larger than both.
+TORN_DISTANCE, TORN_SIZE = 8.0, 0.7  # in point spacings; in sizes of the organ, 1/5 of a rod
+GRAPH_NEIGHBORS = 12  # of a point in the kNN graph for geodesic distances
 
 
 def doubtful_motions(
@@ -34,7 +34,7 @@ def doubtful_motions(
 ) -> Iterator[Doubt]:
     """Yield a doubt about the motion of each large organ that is matched and moves wrongly.
 
-    attachments: by track id, in the first and in the second scan; names: of the tracks.
+    attachments: in the first and in the second scan. names: of the organs, by track id.
     """
     stop = max((g.stop for g in interval.groups if g.motion is Motion.MOVE), default=0)
     tracks = np.asarray(interval.tracks[:stop])
@@ -56,8 +56,9 @@ def doubtful_motions(
 def motion_faults(ends: Points, attachments: Sequence[Points]) -> Iterator[tuple[str, float]]:
     """Yield possible faults of an organ's motion: a clause with {} for the organ, and a strength.
 
-    attachments: (c, 3) the points by which the organ touches its parent, in none or both scans. A
-    strength of 1 is just doubtful. An organ of fewer than `MIN_POINTS` has no faults.
+    A fault is doubtful from a strength of 1 on. An organ of fewer than `MIN_POINTS` has no faults.
+
+    attachments: (c, 3) points by which the organ touches its parent, in none, one or both scans.
     """
     distinct = [np.unique(points, axis=0) for points in ends]
     if min(map(len, distinct)) < MIN_POINTS:
@@ -72,7 +73,7 @@ def motion_faults(ends: Points, attachments: Sequence[Points]) -> Iterator[tuple
 
 
 def torn_share(ends: Points, spacing: float, threshold: float) -> float:
-    """Share of the neighbouring points in one scan that are far apart in the other.
+    """Share of the neighbours in one scan whose distance in the other exceeds the threshold.
 
     It is the larger share of both directions: neighbours may be separated, or brought together.
     """
@@ -88,7 +89,7 @@ def torn_share(ends: Points, spacing: float, threshold: float) -> float:
 
 
 def order_correlation(ends: Points, attachments: Sequence[Points]) -> float:
-    """Rank correlation (Spearman's) of geodesic distances from the attachment in both scans."""
+    """Spearman's rank correlation of geodesic distances from the attachment in both scans."""
     from scipy.spatial import KDTree
 
     ranks = []

@@ -12,4 +12,4 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
     has_days = film.at or film.every is not None
     days = sorted(set(film.days(clip))) if has_days else traits.measure_days(clip)
     with path.open("w", encoding="utf-8", newline="") as file:
-        traits.write_table(file, traits.Namer(clip, film.title or film.name), days, progress)
+        traits.write_table(file, traits.NamedPlant(clip, film.title or film.name), days, progress)

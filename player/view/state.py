@@ -12,7 +12,7 @@ from player.view.camera_animation import CameraPath
 from player.view.choices import Compare, Output, Request
 from player.view.playback import Timeline
 from player.view.style import ColorMode, Style
-from traits.curves import plotted
+from traits.curves import curve_names
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Scene:
     @property
     def curves(self) -> list[str]:
         """Names of the traits that can be plotted."""
-        return plotted(self.clip)
+        return curve_names(self.clip)
 
     @property
     def color_mode(self) -> ColorMode:
@@ -123,5 +123,5 @@ def with_clips(scene: Scene, clips: tuple[Clip, ...], reset: bool) -> Scene:
         edits=None if reset else scene.edits,
         path=path,
         following=bool(path and scene.following),
-        curve=scene.curve if scene.curve in (*plotted(clip), "") else "length",
+        curve=scene.curve if scene.curve in (*curve_names(clip), "") else "length",
     )

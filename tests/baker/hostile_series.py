@@ -174,7 +174,7 @@ def check_series(series: Series, folder: Path) -> str:
     """
     import gclip
     from baker import Options
-    from baker.pipeline import bake_recorded
+    from baker.pipeline import bake_with_survey
     from gclip.errors import UserError
 
     paths = series.write(folder)
@@ -182,7 +182,7 @@ def check_series(series: Series, folder: Path) -> str:
         warnings.simplefilter("error", RuntimeWarning)
         warnings.simplefilter("error", UserWarning)
         try:
-            clip, record = bake_recorded(paths, Options(workers=1, **series.options))
+            clip, record = bake_with_survey(paths, Options(workers=1, **series.options))
             clip.save(folder / "plant.gclip")
             opened = gclip.open(folder / "plant.gclip")
             _check_clip(opened, record, series)

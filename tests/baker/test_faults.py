@@ -13,7 +13,7 @@ import pytest
 from baker import InputError, Options
 from baker.cli import main
 from baker.interpolation.interval_job import solve_intervals
-from baker.pipeline import bake_recorded
+from baker.pipeline import bake_with_survey
 from tests.baker.conftest import write_las
 
 LIGHT = ("--paths", "straight")  # a clip that is smaller than its report
@@ -71,7 +71,7 @@ def test_a_scan_that_vanishes_is_named(write_scans):
             (folder / "day01.txt").unlink(missing_ok=True)
 
     with pytest.raises(InputError, match=r"day01\.txt' can't be read: No such file"):
-        bake_recorded([folder], PLAIN, take_away)
+        bake_with_survey([folder], PLAIN, take_away)
 
 
 @pytest.mark.parametrize("harm", ["grows", "is cut", "breaks", "goes"])
@@ -97,7 +97,7 @@ def test_a_scan_that_changes_while_it_is_read_is_named(write_scans, monkeypatch,
     monkeypatch.setattr(read, "read_columns", load_and_change)
     said = "can't be read" if harm == "goes" else "changed while it was read"
     with pytest.raises(InputError, match=rf"day01\.txt' {said}"):
-        bake_recorded([write_scans()], PLAIN)
+        bake_with_survey([write_scans()], PLAIN)
 
 
 @pytest.mark.parametrize("also", [[], ["report"], ["traits"]], ids=["clip", "report", "traits"])

@@ -117,17 +117,17 @@ def test_the_unit_of_the_scans_does_not_matter(labels, options, tmp_path):
 
 def test_a_plant_of_one_point_is_verified_reported_and_measured(tmp_path):
     from baker import Options
-    from baker.pipeline import bake_recorded
+    from baker.pipeline import bake_with_survey
     from baker.report.page import write_report
     from baker.report.verification import verify
     from traits.plants import write_traits
 
     point = Scan("same point", 1)
-    clip, record = bake_recorded(
+    clip, record = bake_with_survey(
         Series((point, point, point)).write(tmp_path), Options(holdout=2, workers=1)
     )
     errors = verify(clip)
-    assert [error.both[0].maximum for error in errors] == [0.0]
+    assert [error.distances[0].maximum for error in errors] == [0.0]
     write_traits(tmp_path / "traits.csv", clip, "plant", lambda stage, done, total: None)
     write_report(
         tmp_path / "report.html",

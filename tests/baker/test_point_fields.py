@@ -14,8 +14,8 @@ from gclip import Clip
 from grow import plant
 from player.view.colors import Colors
 from player.view.style import ColorMode, Style
-from traits import Namer, write_table
-from traits.curves import plotted, trait_curves
+from traits import NamedPlant, write_table
+from traits.curves import curve_names, trait_curves
 from traits.fields import field_means
 
 OPTIONS = Options(align="none", up="z", unit="mm", workers=1, fields="ndvi,layer")
@@ -68,7 +68,7 @@ def test_means_are_those_of_the_scans_points(clip: Clip, scans: Path) -> None:
     assert field_means(clip, 8.0, stem)["ndvi"] == pytest.approx(own, rel=1e-2)
     assert field_means(clip, 5.0, stem)["layer"] == pytest.approx(5.0)
     text = StringIO(newline="")
-    write_table(text, Namer(clip, "p"), [8.0])
+    write_table(text, NamedPlant(clip, "p"), [8.0])
     rows = list(csv.DictReader(StringIO(text.getvalue())))
     found = [r for r in rows if r["trait"] == "mean_ndvi" and r["organ"] == "stem"]
     assert float(found[0]["value"]) == pytest.approx(own, rel=1e-2)
@@ -86,7 +86,7 @@ def test_points_of_a_frame_have_values(clip: Clip) -> None:
 
 def test_mean_fields_of_organs_are_plotted(clip: Clip, tmp_path: Path) -> None:
     curves = {(one.track, one.trait): one for one in trait_curves(clip)}
-    assert plotted(clip) == ["length", "area", "angle", "mean ndvi", "mean layer"]
+    assert curve_names(clip) == ["length", "area", "angle", "mean ndvi", "mean layer"]
     stem = clip.tracks["stem"].id
     ndvi, layer = curves[stem, "mean ndvi"], curves[stem, "mean layer"]
     assert layer.values == (4.0, 8.0)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from baker import Options
-from baker.pipeline import bake_recorded
+from baker.pipeline import bake_with_survey
 from baker.report.verification import overall, verify
 from tests.real.series import GROWN, labelled
 
@@ -13,7 +13,7 @@ from tests.real.series import GROWN, labelled
 @pytest.mark.parametrize("name", labelled("tomato2_control_plant3"))
 def test_rebuilt_scans_are_nearer_than_the_scans_before_them(series, name):
     options = Options(align="none", voxel=1.0, holdout=2)
-    clip, record = bake_recorded([series(name)], options)
+    clip, record = bake_with_survey([series(name)], options)
     errors = verify(clip)
     days = (3.5, 10.5) if name == GROWN else (1, 3, 5, 7)
     assert [error.date for error in errors] == [f"day {day}" for day in days]

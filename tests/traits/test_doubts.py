@@ -13,7 +13,7 @@ from gclip import Clip
 from grow.series import Plan, write_series
 from traits import measure_days, write_table
 from traits.doubts import Doubt, doubts_of
-from traits.table import Namer
+from traits.table import NamedPlant
 
 
 def test_motion_matters_between_its_scans_and_identity_from_the_first_one_on():
@@ -44,7 +44,7 @@ def judged(grown: Clip):
 
 def sure_of(clip: Clip) -> dict[tuple[str, ...], str]:
     file = io.StringIO()
-    write_table(file, Namer(clip, "p"), measure_days(clip))
+    write_table(file, NamedPlant(clip, "p"), measure_days(clip))
     keys = ("track", "trait", "state", "time", "start", "end")
     rows = csv.DictReader(io.StringIO(file.getvalue()))
     return {tuple(row[key] for key in keys): row["sure"] for row in rows}

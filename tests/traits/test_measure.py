@@ -20,7 +20,7 @@ from traits import measure, measure_days, write_table
 from traits.axis import axis_of
 from traits.smooth import fit_patches, noise_of, smoothed
 from traits.surface import surface_of
-from traits.table import COLUMNS, Namer
+from traits.table import COLUMNS, NamedPlant
 from traits.traits import _hull
 
 UP = np.array([0.0, 0.0, 1.0])
@@ -73,8 +73,8 @@ def test_smoothing_takes_noise_away_and_leaves_a_stem_its_radius() -> None:
     before, after = (np.hypot(p[inner, 0], p[inner, 1]) for p in (noisy, smooth))
     assert after.mean() == pytest.approx(8.0, rel=0.02)
     assert after.std() < 0.6 * before.std()
-    assert noise_of({0: fit_patches(noisy, noisy)}).usual == pytest.approx(0.4, rel=0.1)
-    assert noise_of({0: fit_patches(stem, stem)}).usual < 0.04
+    assert noise_of({0: fit_patches(noisy, noisy)}).plant == pytest.approx(0.4, rel=0.1)
+    assert noise_of({0: fit_patches(stem, stem)}).plant < 0.04
 
 
 def test_the_axis_of_a_bent_strip_starts_at_its_parent_and_ends_at_its_tip() -> None:
@@ -184,7 +184,7 @@ def test_organs_are_measured_from_birth_to_loss(grown: Clip) -> None:
 
 def rows_of(clip: Clip, days: list[float], plant: str = "p1") -> list[dict[str, str]]:
     text = io.StringIO()
-    write_table(text, Namer(clip, plant), days)
+    write_table(text, NamedPlant(clip, plant), days)
     return list(csv.DictReader(io.StringIO(text.getvalue())))
 
 

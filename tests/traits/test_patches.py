@@ -50,7 +50,7 @@ def test_paraboloids_are_weighted_least_squares():
         height, residual, left = np.array([paraboloid(point, near, n) for n in PATCH_SIZES]).T
         assert patches.height[:, i] == pytest.approx(side * height, rel=1e-6, abs=1e-9)
         assert patches.residual[:, i] == pytest.approx(residual, rel=1e-6, abs=1e-9)
-        assert patches.left[:, i] == pytest.approx(left, rel=1e-6, abs=1e-9)
+        assert patches.remaining[:, i] == pytest.approx(left, rel=1e-6, abs=1e-9)
 
 
 def test_cells_end_half_way_to_the_neighbours():

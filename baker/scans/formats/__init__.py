@@ -34,23 +34,18 @@ READERS = {
 NATIVE = {"las", "e57", "mesh"}  # modules whose libraries may crash on a damaged file
 
 KNOWN = f"{', '.join(READERS)}, and any of these gzipped (.ply.gz)"
-# A file may unpack to at most UNPACKED_BYTES + BYTES_PER_BYTE times its size; native code may use
-# at most NATIVE_BYTES + BYTES_PER_BYTE times its size of memory.
+# Limits in bytes: a file may unpack to UNPACKED_BYTES plus BYTES_PER_BYTE times its size, and
+# native code may use NATIVE_BYTES plus BYTES_PER_BYTE times its size of memory.
 BYTES_PER_BYTE = 100
 UNPACKED_BYTES, NATIVE_BYTES = 64 << 20, 1 << 30
 
 
 @dataclass(frozen=True)
 class Columns:
-    """All fields of one file, unchanged.
+    """All fields of one file, unchanged."""
 
-    values:  field name as written in the file -> (N,) numbers of any dtype; or words, in a field
-             that may be labels.
-    notes:   what the reader decided, one sentence each.
-    """
-
-    values: dict[str, NDArray]
-    notes: tuple[str, ...] = ()
+    values: dict[str, NDArray]  # by name in the file: (N,) numbers, or words that may be labels
+    notes: tuple[str, ...] = ()  # sentences on the reader's decisions
 
 
 class FormatError(Exception):
@@ -60,32 +55,32 @@ class FormatError(Exception):
 
 
 def require_room(count: int, size: float, room: int) -> None:
-    """Raise FormatError unless `room` bytes hold `count` points of at least `size` bytes each.
+    """Raise FormatError unless `room` bytes can hold `count` points of at least `size` bytes each.
 
-    To be called before memory is allocated for the points that a header announces.
+    Call it before memory is allocated for the points that a header announces.
     """
     if count <= 0:
         raise FormatError("holds no points.")
     if count * size > room:
-        found = f"it announces {count} points, but {max(room, 0)} bytes follow"
-        raise FormatError(f"is cut short, or its header is wrong: {found}.")
+        announced = f"it announces {count} points, but {max(room, 0)} bytes follow"
+        raise FormatError(f"is cut short, or its header is wrong: {announced}.")
 
 
-def require_count(announced: int, found: int, what: str = "points") -> None:
-    """Raise FormatError unless as many points (or lines) were found as the header announces."""
-    if found != announced:
-        sizes = f"it announces {announced} {what}, but {found} follow"
+def require_count(announced: int, actual: int, what: str = "points") -> None:
+    """Raise FormatError unless the `actual` number of points (or lines) is the announced one."""
+    if actual != announced:
+        sizes = f"it announces {announced} {what}, but {actual} follow"
         raise FormatError(f"is cut short, or its header is wrong: {sizes}.")
 
 
 def require_no_bomb(path: Path, size: int) -> None:
-    """Raise FormatError if a compressed file unpacks to so many bytes that it can't be a scan."""
+    """Raise FormatError if a compressed file unpacks to more bytes than a scan of its size can."""
     if size > UNPACKED_BYTES + BYTES_PER_BYTE * path.stat().st_size:
         raise FormatError(f"unpacks to more than {BYTES_PER_BYTE} times its size, as no scan does.")
 
 
 def suffix_of(path: Path) -> str:
-    """The suffix that names the format: in lower case, without a final ".gz"."""
+    """The suffix that names the format of a file, in lower case: ".ply" of "a.PLY.gz"."""
     suffix = path.suffix.lower()
     return Path(path.stem).suffix.lower() if suffix == ".gz" else suffix
 
@@ -102,28 +97,29 @@ def require_known(path: Path) -> None:
 def read_columns(
     path: Path, names: Sequence[str] = (), child: ChildProcess | None = None
 ) -> Columns:
-    """Read all fields of a scan from a file, whose format is known by its suffix.
+    """Read all fields of a scan from a file, in the format that its suffix names.
 
-    `names` are the columns of a text table, instead of its header; `child` is the process that runs
-    readers in native code, by default this one. Raises InputError: the suffix is unknown, or the
-    file can't be opened or is damaged.
+    names: of the columns of a text table, instead of its header. child: the process in which native
+    readers run, by default this one. Raises InputError if the suffix is unknown, or the file can't
+    be opened or is damaged.
     """
     require_known(path)
     reader = READERS[suffix_of(path)]
     if names and reader != "text":
         raise InputError(f"'{path}' is no text table: leave out --columns.")
     try:
-        with input_errors(path), _unpacked(path) as plain:
-            with plain.open("rb") as file:  # messages of libraries don't name permissions, folders
+        with input_errors(path), _unpacked(path) as unpacked:
+            # The libraries' own messages don't name the reason why a file can't be opened.
+            with unpacked.open("rb") as file:
                 if not file.read(1):
                     raise FormatError("is an empty file.")
-            columns = _read(reader, plain, names, child if reader in NATIVE else None)
+            columns = _read(reader, unpacked, names, child if reader in NATIVE else None)
         if not any(map(len, columns.values.values())):
             raise FormatError("holds no points.")
     except FormatError as fault:
         sentence, *line = fault.args
-        place = f", line {line[0]}:" if line else ""
-        raise InputError(f"'{path}'{place} {sentence}") from fault
+        line_of_file = f", line {line[0]}:" if line else ""
+        raise InputError(f"'{path}'{line_of_file} {sentence}") from fault
     return columns
 
 

@@ -17,7 +17,7 @@ NUMBERS = "biuf"  # dtype kinds
 
 
 def read(path: Path) -> Columns:
-    """Read the columns of the arrays."""
+    """Read the columns of a table (NPY), or the arrays of an archive (NPZ)."""
     if path.suffix.lower() == ".npz":
         _require_sound_headers(path)
         with np.load(path, allow_pickle=False) as file:
@@ -37,8 +37,8 @@ def _columns_of(arrays: dict[str, NDArray]) -> dict[str, NDArray]:
     """The columns of an archive of named arrays."""
     points = next((name for name in POINTS if name in arrays), None)
     if points is None:
-        found = excerpt(", ".join(arrays)) or "none"
-        raise FormatError(f"has no array '{POINTS[0]}' (it has {found}).")
+        listed = excerpt(", ".join(arrays)) or "none"
+        raise FormatError(f"has no array '{POINTS[0]}' (it has {listed}).")
     columns = dict(zip("xyz", _table(f"'{points}'", arrays.pop(points), (3,)).T, strict=True))
     for name, values in arrays.items():
         if name in COLORS:
@@ -48,8 +48,8 @@ def _columns_of(arrays: dict[str, NDArray]) -> dict[str, NDArray]:
             columns["label" if name == "labels" else name] = values
     count = len(columns["x"])
     if wrong := [name for name, values in columns.items() if len(values) != count]:
-        found = f"{len(columns[wrong[0]])} values in its array '{excerpt(wrong[0])}'"
-        raise FormatError(f"has {count} points, but {found}.")
+        differing = f"{len(columns[wrong[0]])} values in its array '{excerpt(wrong[0])}'"
+        raise FormatError(f"has {count} points, but {differing}.")
     return columns
 
 
@@ -60,8 +60,8 @@ def _is_column(values: NDArray) -> bool:
 def _table(name: str, values: NDArray, widths: Container[int]) -> NDArray:
     """The values of an array; raises FormatError if they are not numbers in so many columns."""
     if values.ndim != 2 or values.shape[1] not in widths or values.dtype.kind not in NUMBERS:
-        found = f"of shape {values.shape} and type {values.dtype}"
-        raise FormatError(f"has {name} {found}, not (N, 3) numbers (docs/scans.md).")
+        description = f"of shape {values.shape} and type {values.dtype}"
+        raise FormatError(f"has {name} {description}, not (N, 3) numbers (docs/scans.md).")
     return values
 
 

@@ -1,4 +1,4 @@
-"""Read E57 (ASTM E2807) with pye57, which the extra `e57` installs; a file's scans become one."""
+"""Read E57 (ASTM E2807) with pye57, which the extra `e57` installs; its scans are concatenated."""
 
 from contextlib import closing
 from pathlib import Path

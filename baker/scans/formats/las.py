@@ -34,9 +34,9 @@ def read(path: Path) -> Columns:
 
 
 def _require_sound_header(path: Path) -> None:
-    """Refuse records that can't be in the file, on which laspy would spend minutes."""
+    """Raise FormatError for records that can't be in the file; laspy spends minutes on them."""
     with path.open("rb") as file:
         header_size, points_offset, records = struct.unpack("<HII", file.read(104)[94:])
     if not header_size + records * MIN_RECORD_BYTES <= points_offset <= path.stat().st_size:
-        said = f"{records} records between bytes {header_size} and {points_offset}"
-        raise FormatError(f"is no sound LAS file, or is cut short (its header announces {said}).")
+        content = f"announces {records} records between bytes {header_size} and {points_offset}"
+        raise FormatError(f"is no sound LAS file, or is cut short (its header {content}).")

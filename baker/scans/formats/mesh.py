@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from baker.scans.formats import Columns, FormatError, require_count
 
-MIN_POINTS, MAX_POINTS = 20_000, 100_000
-"""As many points are sampled as the mesh has vertices, within these limits."""
+MIN_POINTS, MAX_POINTS = 20_000, 100_000  # number of points that are sampled on a mesh
 
 Mesh = tuple[NDArray, list[NDArray]]
 """(V, 3) vertices or, with red, green and blue, (V, 6) or more, and the faces of each size."""
@@ -35,6 +34,7 @@ def read(path: Path) -> Columns:
 
 
 def _read_by_open3d(path: Path) -> Mesh:
+    """Read STL, GLB or glTF."""
     import open3d
 
     if re.search(rb'"uri"\s*:\s*"(?!data:)', path.read_bytes()):
@@ -46,7 +46,7 @@ def _read_by_open3d(path: Path) -> Mesh:
 
 
 def _rows(path: Path) -> list[list[bytes]]:
-    """The words of each line that has some, without comments."""
+    """The words of each line of a text file, without comments and empty lines."""
     content = re.sub(rb"\\\r?\n", b" ", path.read_bytes())  # continued lines
     lines = (line.partition(b"#")[0].split() for line in content.splitlines())
     return [line for line in lines if line]
@@ -88,12 +88,12 @@ def _read_off(path: Path) -> Mesh:
 
 
 def points_on_surface(vertices: Mapping[str, NDArray], faces: Iterable[NDArray]) -> Columns:
-    """Sample points on faces by stratified sampling: one in each equal share of the surface.
+    """Sample as many points on faces as there are vertices, one in each equal share of the surface.
 
-    `vertices` are (V,) numbers by the name of their field. Each array of `faces`, (F, k), holds the
-    indices of the vertices of F faces, which are split into triangles. Colours, labels and other
-    fields are those of the nearest corner. If the faces have no area, returns the vertices. Raises
-    FormatError where a corner is not a vertex.
+    vertices: (V,) numbers by the name of their field. faces: arrays of (F, k), the indices of the
+    vertices of F faces, which are divided into triangles. Colours, labels and other fields are
+    those of the nearest corner. Returns the vertices if the faces have no area. Raises FormatError
+    if a corner is not a vertex.
     """
     fans = [
         polygons[:, [(0, k, k + 1) for k in range(1, polygons.shape[1] - 1)]].reshape(-1, 3)
@@ -114,16 +114,16 @@ def points_on_surface(vertices: Mapping[str, NDArray], faces: Iterable[NDArray])
     if not 0.0 < total.max(initial=0.0) < np.inf:
         return Columns(dict(vertices))
 
-    sampled = int(np.clip(count, MIN_POINTS, MAX_POINTS))
+    size = int(np.clip(count, MIN_POINTS, MAX_POINTS))
     random = np.random.default_rng(0)
-    at_area = (np.arange(sampled) + random.random(sampled)) / sampled * total[-1]
+    at_area = (np.arange(size) + random.random(size)) / size * total[-1]
     chosen = np.searchsorted(total[:-1], at_area, side="right")
     # Uniform in a triangle: R. Osada et al., Shape Distributions, ACM ToG 21, 2002, equation 1.
-    root, along = np.sqrt(random.random(sampled)), random.random(sampled)
-    weights = np.stack([1 - root, root * (1 - along), root * along], axis=1)
+    root, fraction = np.sqrt(random.random(size)), random.random(size)
+    weights = np.stack([1 - root, root * (1 - fraction), root * fraction], axis=1)
     nearest = triangles[chosen, weights.argmax(axis=1)]
     points = (corners[chosen] * weights[:, :, None]).sum(axis=1)
     columns = {name: values[nearest] for name, values in vertices.items()}
     columns |= dict(zip("xyz", points.T, strict=True))
-    note = f"a mesh of {len(triangles)} triangles: {sampled} points sampled evenly on its surface."
+    note = f"a mesh of {len(triangles)} triangles: {size} points sampled evenly on its surface."
     return Columns(columns, (note,))

@@ -26,15 +26,16 @@ def read(path: Path) -> Columns:
         raise FormatError("is not a PCD file: its header has no line 'DATA'.")
     header, body = content[: end.end()].decode("latin-1"), content[end.end() :]
     words = {key: values for key, *values in map(str.split, filter(str.strip, header.split("\n")))}
-    record, count, form = _record(words), int(words["POINTS"][0]), words["DATA"][0]
+    record, count, encoding = _record(words), int(words["POINTS"][0]), words["DATA"][0]
     names = record.names or ()
-    if form == "ascii":
+    if encoding == "ascii":
         points = np.loadtxt(body.decode("latin-1").splitlines(), record, comments=None, ndmin=1)
         require_count(count, len(points))
-    elif form == "binary":
+    elif encoding == "binary":
         require_room(count, record.itemsize, len(body))
         points = np.frombuffer(body, record, count)
-    elif form == "binary_compressed":  # sizes of packed and unpacked data; then field after field
+    elif encoding == "binary_compressed":
+        # The sizes of packed and unpacked data are followed by the packed fields, one by one.
         require_room(count, record.itemsize / LZF_RATIO, len(body))
         packed = body[8 : 8 + int.from_bytes(body[:4], "little")]
         unpacked = decompress(packed, count * record.itemsize)
@@ -43,7 +44,7 @@ def read(path: Path) -> Columns:
             points[name] = np.frombuffer(unpacked, record[name], count, offset)
             offset += points[name].nbytes
     else:
-        raise FormatError(f"has the unknown DATA '{excerpt(form)}'.")
+        raise FormatError(f"has the unknown DATA '{excerpt(encoding)}'.")
     columns = {name: points[name] for name in names if points[name].ndim == 1}
     for name in [n for n in columns if n.lower() in ("rgb", "rgba") and record[n].itemsize == 4]:
         channels = np.ascontiguousarray(columns.pop(name)).view(np.uint8).reshape(-1, 4)
@@ -60,8 +61,8 @@ def _record(words: dict[str, list[str]]) -> np.dtype:
     record: list[tuple] = []
     for name, kind, size, count in zip(fields, kinds, sizes, counts, strict=True):
         if not re.fullmatch("F[48]|[IU][1248]", kind + size):
-            found = excerpt(f"'{name}' the TYPE {kind} and the SIZE {size}")
-            raise FormatError(f"has a PCD header that gives the field {found}, which can't be.")
+            field = excerpt(f"'{name}' the TYPE {kind} and the SIZE {size}")
+            raise FormatError(f"has a PCD header that gives the field {field}, which can't be.")
         # Several fields may be called "_" (padding).
         unique = f"_{len(record)}" if name == "_" else name
         record.append((unique, f"<{kind.lower()}{size}", () if count == 1 else (count,)))

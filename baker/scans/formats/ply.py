@@ -26,7 +26,7 @@ Types = dict[str, tuple[str, str | None]]
 
 
 def read(path: Path) -> Columns:
-    """Read the vertices' properties, except for lists; of a mesh, sampled on its faces."""
+    """Read the properties of the vertices, except for lists; of a mesh, of points on its faces."""
     content = path.read_bytes()
     header = re.match(HEADER, content, re.DOTALL)
     if not header:
@@ -34,8 +34,8 @@ def read(path: Path) -> Columns:
     body: bytes | memoryview = memoryview(content)[header.end() :]
     order, elements = _parse_header(header[2].decode("latin-1"))
     if not all(elements.get("vertex", ())):
-        found = excerpt(", ".join(elements)) or "none"
-        raise FormatError(f"holds no points: of its elements ({found}) none is a filled 'vertex'.")
+        listed = excerpt(", ".join(elements)) or "none"
+        raise FormatError(f"holds no points: of its elements ({listed}) none is a filled 'vertex'.")
     if not order:  # converted to a binary body of float64
         body = np.array(bytes(body).split(), float).tobytes()
     values, offset = dict[str, dict[str, list[NDArray]]](), 0
@@ -73,42 +73,42 @@ def _parse_header(header: str) -> tuple[str, dict[str, tuple[int, Types]]]:
             case [] | ["comment" | "obj_info", *_]:
                 pass
             case _:
-                found = excerpt(line.strip())
-                raise FormatError(f"has a PLY header whose line '{found}' is unknown or repeated.")
+                wrong = excerpt(line.strip())
+                raise FormatError(f"has a PLY header whose line '{wrong}' is unknown or repeated.")
     return order, elements
 
 
 def _read_element(
     body: bytes | memoryview, offset: int, count: int, types: Types
 ) -> tuple[dict[str, list[NDArray]], int]:
-    """Read the values of an element that starts at `offset`; also returns the offset of its end.
+    """Read the values of an element that starts at `offset`; also return the offset of its end.
 
-    The values of a property are arrays to be concatenated, (n,) of numbers or (n, k) of lists: rows
-    whose lists are as long as those of the row before are read together.
+    The values of each property are a list of arrays to be concatenated, (n,) of numbers or (n, k)
+    of lists: one array for each run of rows whose lists have the same lengths.
     """
     runs: list[NDArray] = []
-    most = 1
+    limit = 1
     while count and types:
         record = _record(body, offset, types)
         room = (len(body) - offset) // record.itemsize
-        rows = np.frombuffer(body, record, max(1, min(count, room, most)), offset)
+        rows = np.frombuffer(body, record, max(1, min(count, room, limit)), offset)
         lengths = [rows[name] for name in record.names or () if name not in types]
         differ = np.any([length != length[0] for length in lengths], axis=0)
         runs.append(rows[: differ.argmax() or len(rows)])
         count -= len(runs[-1])
         offset += runs[-1].nbytes
-        most = 2 * len(runs[-1])  # so that lists of ever other lengths take linear time
+        limit = 2 * len(runs[-1])  # so that many short runs take linear time, too
     return {name: [rows[name] for rows in runs] for name in types}, offset
 
 
 def _record(body: bytes | memoryview, offset: int, types: Types) -> np.dtype:
-    """The dtype of the row at `offset`, whose lists have the lengths that stand before them."""
+    """The dtype of the row at `offset`; the length of each list precedes its values in the file."""
     fields: list[tuple] = []
     for name, (kind, length) in types.items():
         if length:
-            place = offset + np.dtype(fields).itemsize
+            position = offset + np.dtype(fields).itemsize
             fields.append((f"length of {name}", length))
-            fields.append((name, kind, (int(np.frombuffer(body, length, 1, place)[0]),)))
+            fields.append((name, kind, (int(np.frombuffer(body, length, 1, position)[0]),)))
         else:
             fields.append((name, kind))
     return np.dtype(fields)

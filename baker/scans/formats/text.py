@@ -14,20 +14,20 @@ from baker.errors import excerpt
 from baker.scans.formats import Columns, FormatError, require_count
 from baker.scans.labels import label_rank
 
-LONGEST_LINE = 1 << 17
+LONGEST_LINE = 1 << 17  # characters
 COMMENT = ("#", "//")
 DELIMITERS = (";", "\t", ",", None)  # the last one is any white space
 SKIPPED = ("-", "_")  # names of columns that are not used
-MIN_COUNTED = 9  # in so few rows, a column may count the rows by chance
-USUAL_WIDTHS = range(3, 13)  # numbers of columns that are understood without a header
+MIN_COUNTED = 9  # number of rows up to which a column may count the rows by chance
+USUAL_WIDTHS = range(3, 13)  # numbers of columns that can be read without a header
 HINT = "say what the columns are, as in --columns label,x,y,z,- (- is not used)"
 
 
-def read(path: Path, asked: Sequence[str] = ()) -> Columns:
+def read(path: Path, requested: Sequence[str] = ()) -> Columns:
     """Read all columns of numbers, and columns of words that may be labels.
 
-    `asked` names the columns instead of a header ("-" or "_" skips one); a file may have fewer
-    columns. Raises FormatError with the number of the line that does not fit.
+    requested: the names of the columns, instead of those in a header ("-" or "_" skips one); a file
+    may have fewer columns. Raises FormatError with the number of the line that does not fit.
     """
     lines = _read_lines(path)
     start, delimiter = _find_rows(lines)
@@ -35,7 +35,7 @@ def read(path: Path, asked: Sequence[str] = ()) -> Columns:
     values = _split(rows[0], delimiter)
     width = len(values)
     header, count = _read_head(lines[:start], delimiter, width)
-    header = [*asked[:width]] or header  # some scans of a series may have no column of labels
+    header = [*requested[:width]] or header  # some scans of a series may have no column of labels
     names = _column_names(header, width, first_line)
     used = [i for i, name in enumerate(names) if name not in SKIPPED]
     numbers = [i for i in used if _is_number(values[i])]
@@ -101,7 +101,7 @@ def _read_lines(path: Path) -> list[str]:
 
 
 def _find_rows(lines: Sequence[str]) -> tuple[int, str | None]:
-    """Find the first row, with three numbers or more, and the delimiter that parts them."""
+    """Find the first row, which has three numbers or more, and its delimiter."""
     for index, line in enumerate(lines):
         for delimiter in () if line.lstrip().startswith(COMMENT) else DELIMITERS:
             values = _split(line, delimiter)
@@ -114,13 +114,13 @@ def _find_rows(lines: Sequence[str]) -> tuple[int, str | None]:
 def _read_head(
     lines: Sequence[str], delimiter: str | None, width: int
 ) -> tuple[list[str] | None, int | None]:
-    """Read what stands before the rows: names of the columns, and their number, or None each."""
+    """Read the lines before the rows: the names of the columns, and the number of rows, or None."""
     header, count = None, None
     for line in map(str.strip, lines):
         if line.isdecimal():
             count = int(line[:18])
         elif line.startswith(COMMENT):
-            splits = (_split(line.lstrip("#/ \t"), each) for each in (delimiter, None, ","))
+            splits = (_split(line.lstrip("#/ \t"), split_at) for split_at in (delimiter, None, ","))
             header = next((s for s in splits if len(s) == width and _has_xyz(s)), header)
         elif line:
             header = _split(line, delimiter)
@@ -146,7 +146,7 @@ def _column_names(header: Sequence[str] | None, width: int, line: int) -> list[s
 def _raise_fault(
     rows: Sequence[str], line: int, delimiter: str | None, names: Sequence[str], numbers: list[int]
 ) -> None:
-    """Raise FormatError for the first row that has not one value for each name, or no number."""
+    """Raise FormatError for the first row that lacks a value, or has a word instead of a number."""
     for number, text in enumerate(rows, line):
         values = _split(text.partition("#")[0], delimiter)
         if values and len(values) != len(names):

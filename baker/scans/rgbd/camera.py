@@ -43,27 +43,27 @@ class Patterns(Struct, frozen=True, forbid_unknown_fields=True):
 class Camera(Struct, frozen=True, forbid_unknown_fields=True):
     """A pinhole camera and its images, in pixels of the depth images, and mm."""
 
-    fx: Positive
+    fx: Positive  # focal lengths, pixels
     fy: Positive
-    cx: Number
+    cx: Number  # principal point, pixels
     cy: Number
     width: Count | None = None
     height: Count | None = None
-    depth_unit: Positive = 1.0  # of one count of depth
-    crop: tuple[Coordinate, Coordinate] | None = None  # left, top
-    ground: Positive | None = None
+    depth_unit: Positive = 1.0  # mm of one count of depth
+    crop: tuple[Coordinate, Coordinate] | None = None  # left, top of the colour image
+    ground: Positive | None = None  # mm from the camera
     background: Label = 0  # a number of `baker.scans.rgbd.images.read_labels`
     per_day: Count = 6
     images: Patterns = Patterns()
 
 
 def find_camera(folder: Path) -> Path | None:
-    """The camera file in `folder`, or None where there is none."""
+    """The path of the camera file in a folder, or None if it has none."""
     with input_errors(folder):
         return next((folder / name for name in CAMERA_FILES if (folder / name).is_file()), None)
 
 
 def read_camera(path: Path) -> Camera:
-    """Read a camera file. Raises InputError where a field is wrong or missing."""
+    """Read a camera file; raises InputError if a field is wrong or missing."""
     with input_errors(path):
         return read_config(path, Camera, MAX_FILE_SIZE)

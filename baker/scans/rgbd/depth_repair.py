@@ -13,23 +13,25 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
+Image = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+# docs/method.md, row 24.
 BAND = 6  # pixels along a label's border that are searched for jumps
-MIN_JUMP, NOISE_SIGMAS = 2.0, 3.0  # mm, and standard deviations of the noise, of a jump
+MIN_JUMP, NOISE_SIGMAS = 2.0, 3.0  # of a jump: mm, and standard deviations of the noise
 USUAL_NOISE = 0.1  # mm, scale of the robust loss of the surface's fit
-SIGMA, REACH = 2.0, 12  # pixels, of the diffusion's Gaussian kernel, and where it ends
+SIGMA, KERNEL_RADIUS = 2.0, 12  # pixels, of the Gaussian kernel of the diffusion
 
 
-def repair(
-    depth: NDArray[np.float64], labels: NDArray[np.integer], background: int = 0
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def repair(depth: Image, labels: NDArray[np.integer], background: int = 0) -> tuple[Image, Mask]:
     """Mark implausible depth in every label but the background, and fill it by diffusion.
 
-    All images are (H, W). `depth` is in mm, 0 where it is unknown. Returns the depth, 0 outside of
-    labels and where it could not be filled, and where in a label it was unknown.
+    All images are (H, W). depth: in mm, 0 where it is unknown. Returns the depth, 0 outside of
+    labels and where it could not be filled, and whether it was unknown or implausible in a label.
     """
     from scipy import ndimage
 
-    diffuse = partial(ndimage.gaussian_filter, sigma=SIGMA, mode="constant", radius=REACH)
+    diffuse = partial(ndimage.gaussian_filter, sigma=SIGMA, mode="constant", radius=KERNEL_RADIUS)
     plant = labels != background
     valid = plant & (depth > 0)
     size = 2 * BAND + 1
@@ -38,39 +40,37 @@ def repair(
     number = np.unique(labels, return_inverse=True)[1].reshape(labels.shape)
     for k, box in enumerate(ndimage.find_objects(number + 1)):
         inside = plant[box] & (number[box] == k)
-        known = inside & valid[box]
-        if not known.any():
+        is_valid = inside & valid[box]
+        if not is_valid.any():
             continue
-        surface = _polynomial_surface(depth[box], known)
+        surface = _polynomial_surface(depth[box], is_valid)
         deviation = depth[box] - surface
-        noise = 1.4826 * np.median(np.abs(deviation[known]))
-        is_far = np.abs(deviation) > max(MIN_JUMP, NOISE_SIGMAS * noise)
-        border = known & in_band[box]
-        known &= ~(border & is_far)
-        # Pixels next to unknown depth are likely a mixture of both sides.
-        known &= ~(border & ndimage.binary_dilation(inside & ~known, np.ones((3, 3))))
-        valid[box][inside] = known[inside]
-        weight, total = diffuse(known.astype(float)), diffuse(np.where(known, deviation, 0.0))
-        # 0 where no valid depth is in reach, or the filled depth would be behind the camera.
+        noise = 1.4826 * np.median(np.abs(deviation[is_valid]))
+        is_jump = np.abs(deviation) > max(MIN_JUMP, NOISE_SIGMAS * noise)
+        border = is_valid & in_band[box]
+        is_valid &= ~(border & is_jump)
+        # Depth next to unknown depth is likely a mixture of two surfaces.
+        is_valid &= ~(border & ndimage.binary_dilation(inside & ~is_valid, np.ones((3, 3))))
+        valid[box][inside] = is_valid[inside]
+        weight, total = diffuse(is_valid.astype(float)), diffuse(np.where(is_valid, deviation, 0.0))
+        # 0 where no valid depth is within the kernel, or the result would be behind the camera.
         mean = np.divide(total, weight, out=-surface, where=weight > 0)
-        filled = np.where(known, depth[box], np.maximum(surface + mean, 0.0))
+        filled = np.where(is_valid, depth[box], np.maximum(surface + mean, 0.0))
         repaired[box][inside] = filled[inside]
     return repaired, plant & ~valid
 
 
-def _polynomial_surface(
-    depth: NDArray[np.float64], measured: NDArray[np.bool_]
-) -> NDArray[np.float64]:
-    """Fit a polynomial of degree 2 (less for few pixels) with a robust loss (Cauchy)."""
+def _polynomial_surface(depth: Image, measured: Mask) -> Image:
+    """(H, W) polynomial of degree 2 (less for few pixels), fitted with a robust loss (Cauchy)."""
     from scipy.optimize import least_squares
 
     count = int(measured.sum())
     v, u = np.indices(depth.shape) / max(depth.shape)
     v, u = v - v[measured].mean(), u - u[measured].mean()
-    degree = 6 if count >= 60 else 3 if count >= 12 else 1
-    terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v][:degree], axis=-1)
+    term_count = 6 if count >= 60 else 3 if count >= 12 else 1
+    terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v][:term_count], axis=-1)
     rows, values = terms[measured], depth[measured]
-    start = np.eye(degree)[0] * np.median(values)
+    start = np.eye(term_count)[0] * np.median(values)
     robust = {"loss": "cauchy", "f_scale": USUAL_NOISE}
     fit = least_squares(lambda c: rows @ c - values, start, lambda c: rows, **robust)
     return np.asarray(terms @ fit.x)

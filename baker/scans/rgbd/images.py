@@ -12,7 +12,7 @@ from baker.errors import InputError
 
 FORMATS = ("PNG", "TIFF", "JPEG", "BMP", "PPM")  # for others, Pillow may run external programs
 MAX_PIXELS_PER_BYTE = 8 * 1032  # of PNG: DEFLATE packs at most 1032 bytes into one
-MAX_LABELS = 256  # more colours are in a label image that was smoothed or compressed with loss
+MAX_LABELS = 256  # an image with more was smoothed or compressed with loss
 
 
 def read_depth(path: Path, unit: float) -> NDArray[np.float64]:
@@ -24,9 +24,9 @@ def read_depth(path: Path, unit: float) -> NDArray[np.float64]:
 
 
 def read_labels(path: Path) -> NDArray[np.int64]:
-    """Read labels (H, W): the value of a grey or palette pixel, 0xRRGGBB of a coloured one.
+    """Read labels (H, W): the value of a grey or palette pixel, 0xRRGGBB of a coloured pixel.
 
-    Transparent pixels are 0. Raises InputError for more than `MAX_LABELS` colours.
+    Transparent pixels are 0. Raises InputError for more than `MAX_LABELS` distinct labels.
     """
     labels = _numbers(read_pixels(path, "I.*|1|L|P", "RGBA"))
     if (distinct := len(np.unique(labels))) > MAX_LABELS:
@@ -36,7 +36,7 @@ def read_labels(path: Path) -> NDArray[np.int64]:
 
 
 def read_mask(path: Path) -> NDArray[np.bool_]:
-    """Read a mask (H, W), which is set where a channel other than opacity is not 0."""
+    """Read a mask (H, W), which is True where a channel other than opacity is not 0."""
     return _numbers(read_pixels(path, "I.*", "RGBA")) != 0
 
 
@@ -48,8 +48,12 @@ def _numbers(pixels: NDArray) -> NDArray[np.int64]:
     return np.where(alpha > 0, (red << 16) + (green << 8) + blue, 0)
 
 
-def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
-    """Read an image's pixels, converted to the mode `other` unless its mode matches `kept`."""
+def read_pixels(path: Path, accepted: str, fallback: str | None = None) -> NDArray:
+    """Read an image's pixels, converted to the mode `fallback` unless its mode matches `accepted`.
+
+    accepted: a regular expression of Pillow's modes. Raises InputError for a damaged image, or one
+    of another mode if there is no fallback.
+    """
     from PIL import Image
 
     # From memory, so that Pillow can't allocate the size that a damaged chunk announces.
@@ -62,7 +66,7 @@ def read_pixels(path: Path, kept: str, other: str | None = None) -> NDArray:
             pixels = image.width * image.height
             if image.format == "PNG" and pixels > MAX_PIXELS_PER_BYTE * len(content):
                 raise ValueError(f"its {len(content)} bytes can't hold so many pixels")
-            mode = image.mode if re.fullmatch(kept, image.mode) else other
+            mode = image.mode if re.fullmatch(accepted, image.mode) else fallback
             if mode is None:
                 needed = "a depth image has one channel of 16 bits a pixel"
                 raise ValueError(f"{needed}, not the kind '{image.mode}'")

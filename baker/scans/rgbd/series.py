@@ -33,18 +33,18 @@ class Frame(NamedTuple):
 
 def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
     """Find the frames of a folder, one for each colour image, in natural order of their names."""
-    found: dict[str, dict[str, Path]] = {}
+    files_of_kind: dict[str, dict[str, Path]] = {}
     for kind, pattern in asdict(patterns).items():
         before, _, after = Path(pattern).name.partition("*")
         files = filter(Path.is_file, folder.glob(pattern))
-        found[kind] = {p.name.removeprefix(before).removesuffix(after): p for p in files}
-    colors, depths, labels, masks = found.values()
+        files_of_kind[kind] = {p.name.removeprefix(before).removesuffix(after): p for p in files}
+    colors, depths, labels, masks = files_of_kind.values()
     if len(colors) < 2:
         images = f"fewer than two colour images '{patterns.color}'"
         raise InputError(f"'{folder}' holds {images}; growth needs two.")
     names = sorted(colors, key=natural_key)
     for kind in ("depth", "label") if labels else ("depth",):
-        if lacking := [name for name in names if name not in found[kind]]:
+        if lacking := [name for name in names if name not in files_of_kind[kind]]:
             missing = getattr(patterns, kind).replace("*", lacking[0])
             raise InputError(f"'{colors[lacking[0]]}' has no {kind} image; '{missing}' is missing.")
     return tuple(Frame(n, colors[n], depths[n], labels.get(n), masks.get(n)) for n in names)
@@ -53,14 +53,14 @@ def find_frames(folder: Path, patterns: Patterns) -> tuple[Frame, ...]:
 def schedule_frames(
     frames: Sequence[Frame], per_day: int, times_file: Path | None = None
 ) -> Series:
-    """Time and order the frames: by a times file, by day and slot in their names, or like scans.
+    """Time and order frames: by a times file, by the day and slot in their names, or as scans are.
 
     A name of two numbers is a day and a slot of that day (000_05); a third number in front is the
     plant's (00_000_05). Slots are numbered from 0 to ``per_day - 1``.
     """
     paths = [frame.color for frame in frames]
-    found = [slot for frame in frames if (slot := _SLOT.fullmatch(frame.name))]
-    slots = [(int(slot["day"]), int(slot["slot"])) for slot in found]
+    slot_matches = [slot for frame in frames if (slot := _SLOT.fullmatch(frame.name))]
+    slots = [(int(slot["day"]), int(slot["slot"])) for slot in slot_matches]
     if times_file is not None or len(slots) < len(frames):
         return schedule_scans(paths, times_file, from_folder=True)
     last, path = max((number, path) for (_, number), path in zip(slots, paths, strict=True))
@@ -88,8 +88,8 @@ class ImageSeries:
         """Read the frame whose colour image is `color`, in the coordinates of `unproject`.
 
         With label images, labelled pixels become points, after `repair`; without them, all pixels
-        that have a depth and are not masked. use_labels=False still leaves out pixels without a
-        label, but returns no labels.
+        that have a depth and are not masked. With ``use_labels=False``, pixels without a label are
+        left out as well, but the scan has no labels.
         """
         frame, camera = self.frames[color], self.camera
         colors, depth, labels = self._images(frame)
@@ -112,8 +112,8 @@ class ImageSeries:
 
     def files(self, color: Path) -> tuple[Path, ...]:
         """The files that a frame is read from, its colour image first."""
-        _, _, *others = self.frames[color]
-        return (color, self.camera_file, *filter(None, others))
+        _, _, *images = self.frames[color]
+        return (color, self.camera_file, *filter(None, images))
 
     @cached_property
     def _ground(self) -> float:
@@ -144,16 +144,16 @@ class ImageSeries:
         masked = read_mask(frame.mask) if frame.mask else None
         for path, image in zip(frame[2:], (depth, labels, masked), strict=True):
             if image is not None and image.shape != (height, width):
-                found = f"{image.shape[1]}x{image.shape[0]} pixels"
+                size = f"{image.shape[1]}x{image.shape[0]} pixels"
                 needed = (
                     f"'{frame.color.name}' is {width}x{height}; if it is a part of it, set crop"
                 )
-                raise InputError(f"'{path}' is {found}, but {needed}.")
+                raise InputError(f"'{path}' is {size}, but {needed}.")
         return colors, depth if masked is None else np.where(masked, 0.0, depth), labels
 
 
 def unproject(depth: NDArray[np.float64], camera: Camera, ground: float) -> NDArray[np.float64]:
-    """Unproject a depth image (H, W) to (N, 3) points in mm, row by row, for pixels that aren't 0.
+    """Unproject the pixels of a depth image (H, W) with a depth to (N, 3) points in mm, row by row.
 
     x points to the right of the image, y to its top, z from the ground to the camera; the origin is
     where the camera's axis meets the ground, `ground` mm from the camera.

@@ -9,32 +9,27 @@ from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
-DAYS = {"week": 7.0, "day": 1.0, "hour": 1 / 24, "minute": 1 / 1440}
-DATES = "dates"
+DAYS = {"week": 7.0, "day": 1.0, "hour": 1 / 24, "minute": 1 / 1440}  # in a unit of time
+DATES = "dates"  # the kind of conventions of calendar dates
 WEAK_RANK = 4  # conventions of this rank and above also match numbers that are not times
 
 
 @dataclass(frozen=True)
 class Moment:
-    """A time in days (since 1970 if `dated`), and as text."""
+    """The time of a scan."""
 
-    time: float
-    date: str
+    time: float  # in days; since 1970 if `dated`
+    date: str  # the time as text
     dated: bool = False
 
 
 @dataclass(frozen=True)
 class Convention:
-    """One way to write a time.
+    """A notation of times."""
 
-    rank:    how easily it matches numbers that are not times; lower ranks are preferred.
-    kind:    what it reads, for messages: "dates", "day numbers".
-    pattern: the regular expression to search names for.
-    """
-
-    rank: int
-    kind: str
-    pattern: re.Pattern[str]
+    rank: int  # how easily it matches numbers that are not times; lower ranks are preferred
+    kind: str  # what it reads, for messages: "dates", "day numbers"
+    pattern: re.Pattern[str]  # to search names for
 
     @property
     def is_clear(self) -> bool:
@@ -43,35 +38,37 @@ class Convention:
 
     @property
     def lacks_year(self) -> bool:
+        """Whether it reads months without a year."""
         return {"m", "Y", "y"} & self.pattern.groupindex.keys() == {"m"}
 
 
 def read_moment(match: re.Match[str], default_year: str) -> Moment | None:
-    """The moment of a match of a convention's pattern; None where there is no such date."""
-    found = {name: text for name, text in match.groupdict().items() if text and name != "sep"}
-    if numbers := {unit: float(found[unit]) for unit in DAYS if unit in found}:
+    """The moment that a match of a convention's pattern denotes; None if there is no such date."""
+    directives = {name: text for name, text in match.groupdict().items() if text and name != "sep"}
+    if numbers := {unit: float(directives[unit]) for unit in DAYS if unit in directives}:
         days = sum(number * DAYS[unit] for unit, number in numbers.items())
         return Moment(days, " ".join(f"{unit} {n:.10g}" for unit, n in numbers.items()))
-    if "unix" in found:
-        return _dated(EPOCH + timedelta(seconds=int(found["unix"])), "%Y-%m-%d %H:%M:%S")
-    shown = "%Y-%m-%d" + " %H:%M" * ("H" in found) + ":%S" * ("S" in found)
-    if "m" in found:
-        name = found["m"].lower()
-        found["m"] = name if name.isdecimal() else str(MONTHS.get(name, 0))
-        found.setdefault("d", "1")
-        if not {"Y", "y"} & found.keys():
-            found["Y"], shown = default_year, "%m-%d"
-    if "V" in found:
-        found.setdefault("u", "1")
-    form = " ".join(f"%{directive}" for directive in found)
+    if "unix" in directives:
+        return _dated(EPOCH + timedelta(seconds=int(directives["unix"])), "%Y-%m-%d %H:%M:%S")
+    date_format = "%Y-%m-%d" + " %H:%M" * ("H" in directives) + ":%S" * ("S" in directives)
+    if "m" in directives:
+        name = directives["m"].lower()
+        directives["m"] = name if name.isdecimal() else str(MONTHS.get(name, 0))
+        directives.setdefault("d", "1")
+        if not {"Y", "y"} & directives.keys():
+            directives["Y"], date_format = default_year, "%m-%d"
+    if "V" in directives:
+        directives.setdefault("u", "1")
+    codes = " ".join(f"%{directive}" for directive in directives)
     try:
-        return _dated(datetime.strptime(" ".join(found.values()), form).replace(tzinfo=UTC), shown)
+        moment = datetime.strptime(" ".join(directives.values()), codes).replace(tzinfo=UTC)
     except ValueError:
         return None  # as 2020-13-40
+    return _dated(moment, date_format)
 
 
-def _dated(moment: datetime, shown: str) -> Moment:
-    return Moment((moment - EPOCH) / timedelta(days=1), f"{moment:{shown}}", dated=True)
+def _dated(moment: datetime, date_format: str) -> Moment:
+    return Moment((moment - EPOCH) / timedelta(days=1), f"{moment:{date_format}}", dated=True)
 
 
 MONTH_NAMES = (
@@ -108,9 +105,9 @@ FIELDS = {
 }
 
 
-def _convention(rank: int, kind: str, form: str) -> Convention:
-    """A convention whose pattern is `form` with `FIELDS` filled in, not next to other digits."""
-    pattern = rf"(?<!\d){form.format(**FIELDS)}(?!\d)"
+def _convention(rank: int, kind: str, template: str) -> Convention:
+    """A convention whose pattern is a template, filled in with `FIELDS`, between non-digits."""
+    pattern = rf"(?<!\d){template.format(**FIELDS)}(?!\d)"
     return Convention(rank, kind, re.compile(pattern, re.IGNORECASE))
 
 

@@ -22,25 +22,22 @@ from gclip.config_file import read_text
 DEFAULT_YEARS = ("2001", "2000")  # of dates without a year; the second one has a 29 February
 MAX_GAP_WITHIN_YEAR = 183  # days; after a longer gap, dates without a year are in the year before
 MAX_SPAN = 1100  # days from first to last; numbers that span more are not dates
-MAX_TIME_CHARACTERS = 100
-MAX_FILE_BYTES = 1 << 24
+MAX_TIME_CHARACTERS = 100  # of a time in a file or list
+MAX_FILE_BYTES = 1 << 24  # of a times file
 
 
 @dataclass(frozen=True)
 class Reading:
-    """The times of all names of a series, read by one convention.
-
-    spans: start and stop of the time in each name.
-    doubt: how else the times may be read, "" where that is clear.
-    """
+    """The times of all names of a series, read by one convention."""
 
     moments: tuple[Moment, ...]
-    spans: tuple[tuple[int, int], ...]
+    spans: tuple[tuple[int, int], ...]  # start and stop of the time in each name
     convention: Convention
-    doubt: str = ""
+    doubt: str = ""  # how else the times may be read
 
     @property
     def times(self) -> list[float]:
+        """Days, as in `Moment`."""
         return [moment.time for moment in self.moments]
 
     @property
@@ -55,13 +52,13 @@ class Reading:
 
     def contradicts(self, best: Self) -> bool:
         """Whether other times of the same kind, or of another part of the names, are as likely."""
-        mine, others = self.convention, best.convention
-        if (mine.rank, mine.kind) == (others.rank, others.kind):
+        own, reference = self.convention, best.convention
+        if (own.rank, own.kind) == (reference.rank, reference.kind):
             return self.times != best.times
         (start, stop), (best_start, best_stop) = self.spans[0], best.spans[0]
         is_separate = stop <= best_start or best_stop <= start
         orders = [np.argsort(reading.times).tolist() for reading in (self, best)]
-        return mine.is_clear and is_separate and orders[0] != orders[1]
+        return own.is_clear and is_separate and orders[0] != orders[1]
 
 
 def read_times(texts: Sequence[str]) -> Reading | None:
@@ -82,12 +79,12 @@ def read_times(texts: Sequence[str]) -> Reading | None:
         clear = [reading for reading in readings if reading.convention.is_clear]
         return next((reading for reading in clear if not _is_shared(reading, texts)), None)
     best = min(distinct, key=lambda read: (read.convention.rank, read.spans[0][0], read.length))
-    others = [each for each in distinct if each.length <= MAX_SPAN and each.contradicts(best)]
+    rivals = [read for read in distinct if read.length <= MAX_SPAN and read.contradicts(best)]
     doubt = ""
-    if others:
-        other = min(others, key=lambda reading: reading.length)
-        dates = [moment.date for moment in sorted(other.moments, key=lambda moment: moment.time)]
-        doubt = f"the names can also be read as {other.convention.kind}, {dates[0]} to {dates[-1]}"
+    if rivals:
+        rival = min(rivals, key=lambda reading: reading.length)
+        dates = [moment.date for moment in sorted(rival.moments, key=lambda moment: moment.time)]
+        doubt = f"the names can also be read as {rival.convention.kind}, {dates[0]} to {dates[-1]}"
     elif not best.convention.is_clear:
         start, stop = best.spans[0]
         doubt = f"'{texts[0][start:stop]}' was taken for {best.moments[0].date}"
@@ -100,7 +97,7 @@ def has_time(text: str) -> bool:
 
 
 def _readings(convention: Convention, texts: Sequence[str]) -> Iterator[Reading]:
-    """Read the first match in all texts, then the second in all, and so on."""
+    """Yield the reading of the first match in every text, that of the second match, and so on."""
     for matches in zip(*map(convention.pattern.finditer, texts), strict=False):
         for year in DEFAULT_YEARS:
             moments = tuple(filter(None, (read_moment(match, year) for match in matches)))
@@ -118,7 +115,7 @@ def _is_shared(reading: Reading, texts: Sequence[str]) -> bool:
 
 
 def _across_new_year(moments: tuple[Moment, ...]) -> tuple[Moment, ...]:
-    """Move dates without a year that precede a gap of half a year into the next year."""
+    """Move dates without a year, if they precede a gap of half a year, into the next year."""
     times = sorted(moment.time for moment in moments)
     after_gap = max((b for a, b in pairwise(times) if b - a > MAX_GAP_WITHIN_YEAR), default=-np.inf)
     return tuple(replace(m, time=m.time + 365 * (m.time < after_gap)) for m in moments)
@@ -145,14 +142,14 @@ def moments_from_file(path: Path, names: Sequence[str]) -> list[Moment]:
             raise InputError(f"{place}: '{name}' has a time already.")
         if rows or re.search(r"\d", time):  # the first line may be a header
             rows[name] = place, time
-    found = []
+    entries = []
     for name in names:
         plain = name.rpartition("/")[2]
         keys = (name, name.rpartition(".")[0], plain, plain.rpartition(".")[0])
-        if not (listed := [rows[key] for key in keys if key in rows]):
+        if not (matching := [rows[key] for key in keys if key in rows]):
             raise InputError(f"'{path}' has no line for the scan '{name}'.")
-        found.append(listed[0])
-    return _parse(found, f"'{path}'")
+        entries.append(matching[0])
+    return _parse(entries, f"'{path}'")
 
 
 def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Moment]:
@@ -163,20 +160,20 @@ def moments_from_list(times: Sequence[object], names: Sequence[str]) -> list[Mom
 
 
 def _parse(rows: Sequence[tuple[str, str]], source: str) -> list[Moment]:
-    """Parse numbers of days or, where a text is none, all times as those in names.
+    """Parse all texts as numbers of days or, if one is not a number, all as times in names.
 
-    rows: the place of each time, for messages, and its text. Raises InputError for a text that is
+    rows: where each time was read, for messages, and its text. Raises InputError for a text that is
     not a time, or where dates and days are mixed.
     """
-    # Longer texts are no times, and the patterns would take long on them.
+    # Longer texts are not times, and the patterns would take long on them.
     texts = [text if len(text) <= MAX_TIME_CHARACTERS else "" for _, text in rows]
     are_days = [bool(re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)", text)) for text in texts]
     if all(are_days):
         return [Moment(float(text), f"day {float(text):.10g}") for text in texts]
     if reading := read_times(texts):
         return list(reading.moments)
-    for (place, text), short, is_days in zip(rows, texts, are_days, strict=True):
-        if not is_days and not has_time(short):
+    for (where, text), searched, is_days in zip(rows, texts, are_days, strict=True):
+        if not is_days and not has_time(searched):
             needed = "a number of days, or a date such as 2020-03-08, is needed"
-            raise InputError(f"{place}: '{text[:60]}' is no time; {needed}.")
+            raise InputError(f"{where}: '{text[:60]}' is no time; {needed}.")
     raise InputError(f"{source} mixes dates and numbers of days; use one of them throughout.")

@@ -37,17 +37,17 @@ def schedule_scans(
     times: Sequence[object] | None = None,
     from_folder: bool = False,
 ) -> Series:
-    """Order and time scans, which are not read yet, by the first rule that fits them all.
+    """Order and time scans, which are not read yet, by the first rule that fits all of them.
 
-    These are the `times` given in Python, the times file, the times in names, and the order of
-    names if the paths are `from_folder` or, if the user has listed them, their own. Raises
+    The rules are: the `times` given in Python; the times file; the times in names; the natural
+    order of the names if the paths are `from_folder`, and otherwise the order of the paths. Raises
     InputError if two scans have the same time, the times file is wrong or misses a scan, or the
     order of numbered names is ambiguous.
     """
     parts = [path.resolve().parts for path in paths]
     names = [path.name for path in paths]
     for level in range(2, max(map(len, parts)) + 1):
-        if len(set(names)) < len(names):  # their folders differ: 2020-03-08/scan.ply
+        if len(set(names)) < len(names):  # only their folders differ: 2020-03-08/scan.ply
             names = ["/".join(path_parts[-level:]) for path_parts in parts]
     if times is not None:
         moments, rule, doubt = moments_from_list(times, names), "as given", ""
@@ -63,7 +63,7 @@ def schedule_scans(
 
 
 def natural_key(name: str) -> list[tuple[int, int, str]]:
-    """A sort key that compares the numbers in names as numbers: scan9 comes before scan10."""
+    """Make a sort key that compares digits in names as numbers: scan9 comes before scan10."""
     parts = re.findall(r"\d+|\D+", name)
     return [(0, int(p), p) if p.isdecimal() else (1, 0, p.lower()) for p in parts]
 
@@ -73,11 +73,11 @@ def _times_in_names(paths: Sequence[Path]) -> Reading | None:
 
     A clear time in a folder's name is preferred to numbers in the files' names.
     """
-    names = ((path.stem, *(above.name for above in path.resolve().parents)) for path in paths)
+    names = ((path.stem, *(folder.name for folder in path.resolve().parents)) for path in paths)
     levels = islice(zip(*names, strict=False), FOLDER_LEVELS + 1)
-    found = [(read, level) for level, texts in enumerate(levels) if (read := read_times(texts))]
+    readings = [(read, level) for level, texts in enumerate(levels) if (read := read_times(texts))]
     return min(
-        (read for read, level in found if read.are_distinct or level == 0),
+        (read for read, level in readings if read.are_distinct or level == 0),
         key=lambda read: (not read.are_distinct, not read.convention.is_clear),
         default=None,
     )
@@ -107,9 +107,9 @@ def schedule_in_time(
     doubt: str = "",
     from_folder: bool = True,
 ) -> Series:
-    """Order scans by their moments; none is read yet. Raises InputError where two are equal.
+    """Order scans, which are not read yet, by their moments; InputError if two are equal.
 
-    rule: how the moments were found, for the finding and for messages.
+    rule: where the moments come from, for the finding and for messages.
     """
     scans = [
         Scan(np.empty((0, 3)), path=path, name=printable(name), time=moment.time, date=moment.date)
@@ -138,11 +138,11 @@ def schedule_in_time(
 
 
 def _in_order(paths: Sequence[Path], names: Sequence[str], from_folder: bool) -> Series:
-    """Number the scans, in the natural order of names that a folder or a shell has listed."""
+    """Number the scans: in the natural order of names if a folder or a shell has listed them."""
     stems = [name.rpartition(".")[0] for name in names]
     natural = sorted(range(len(names)), key=lambda i: natural_key(stems[i]))
     order, rule = [*range(len(names))], "the order given"
-    # The * of a shell lists scan10 before scan9, an order that nobody wants.
+    # A shell expands * to scan10 before scan9, an order that nobody chooses.
     if from_folder or (list(names) == sorted(names) and natural != order):
         order, rule = natural, "the natural order of their names"
         numbers = [[int(number) for number in re.findall(r"\d+", stem)] for stem in stems]
@@ -160,5 +160,6 @@ def _in_order(paths: Sequence[Path], names: Sequence[str], from_folder: bool) ->
     reason = f"no time in the name '{untimed[0]}'" if is_mixed else "no times in the names"
     doubt = f"{reason}, so growth rates will be per scan and not per day"
     listed = [scan.name for scan in series.scans[:MAX_LISTED_NAMES]] + ["..."]
-    found = f"{rule}: {', '.join(listed[: len(names)])}"
-    return replace(series, unit="scans", findings=(Finding("order", found, doubt, "--times FILE"),))
+    description = f"{rule}: {', '.join(listed[: len(names)])}"
+    finding = Finding("order", description, doubt, "--times FILE")
+    return replace(series, unit="scans", findings=(finding,))

@@ -25,7 +25,7 @@ from player.rendering.splat_radius import ClosingDistances
 from player.view.camera import FITTED_SHARE, Camera, axes, sampled_positions
 from player.view.colors import Colors, format_number
 from player.view.style import GROUNDS, ColorMode
-from traits.curves import curve_svg, plotted, trait_curves
+from traits.curves import curve_names, curve_svg, trait_curves
 from traits.dates import date_at, elapsed, short_dates
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
@@ -140,7 +140,7 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
             "toSquare": to_square.T.ravel().tolist(),
         },
         "home": asdict(home) | {"aspect": _narrowest(clip, home)},
-        "plotted": plotted(clip),
+        "plotted": curve_names(clip),
         "curves": _curves(clip),
         "axes": axes(clip.up).tolist(),
         "look": {

@@ -8,8 +8,8 @@ from baker.alignment.sample import even_sample
 from baker.alignment.yaw import (
     YAWS,
     direction_curve,
-    exact_yaw,
     fit_yaws,
+    refined_yaw,
     second_yaw,
     wrapped,
 )
@@ -35,20 +35,20 @@ def test_every_yaw_is_found(days, posed, yaw, labels):
     poses = [standing(days[0], labels), standing(posed(days[1], -yaw, (0, 0, 0)), labels)]
     fit = fit_yaws(poses, labels is not None)
     assert fit.by_label == (labels is not None)
-    coarse = float(YAWS[fit.places[0]])
+    coarse = float(YAWS[fit.yaw_indices[0]])
     assert abs(wrapped(coarse - yaw)) < 10.0
-    assert abs(wrapped(exact_yaw(*poses, coarse, fit.by_label) - yaw)) < 2.0
+    assert abs(wrapped(refined_yaw(*poses, coarse, fit.by_label) - yaw)) < 2.0
 
 
 def test_a_leaf_that_turns_does_not_turn_the_plant(plant):
     before, after = standing(plant(0)), standing(plant(1, turned={2: -30.0}))
-    assert abs(exact_yaw(before, after, 4.0, False)) < 2.0
+    assert abs(refined_yaw(before, after, 4.0, False)) < 2.0
 
 
 def test_a_bare_stem_is_not_turned():
     stem = standing(np.outer(np.linspace(0.0, 10.0, 200), [0.0, 0.0, 1.0]))
-    assert fit_yaws([stem, stem, stem], False).places == [0, 0]
-    assert exact_yaw(stem, stem, 0.0, False) == 0.0
+    assert fit_yaws([stem, stem, stem], False).yaw_indices == [0, 0]
+    assert refined_yaw(stem, stem, 0.0, False) == 0.0
 
 
 def test_a_plant_with_two_equal_sides_is_doubtful(posed):

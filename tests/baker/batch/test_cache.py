@@ -14,7 +14,7 @@ import pytest
 from baker import Options
 from baker.batch.cache import Cache
 from baker.interpolation.interval_job import solve_intervals
-from baker.pipeline import bake_recorded
+from baker.pipeline import bake_with_survey
 from gclip.errors import UserError
 from tests.baker.conftest import write_series
 
@@ -22,7 +22,7 @@ PLAIN = Options(align="none", up="z", workers=1)
 
 
 def bake_with(cache, scans, options=PLAIN):
-    return bake_recorded([*scans], options, solve=cache.solve_intervals)[0]
+    return bake_with_survey([*scans], options, solve=cache.solve_intervals)[0]
 
 
 @pytest.fixture(scope="module")
@@ -53,10 +53,10 @@ def baked(tmp_path):
         cache = Cache(tmp_path / "cache")
         bake_with(cache, scans, options).save(tmp_path / "cached.gclip")
         if clean:
-            bake_recorded([*scans], options)[0].save(tmp_path / "clean.gclip")
+            bake_with_survey([*scans], options)[0].save(tmp_path / "clean.gclip")
             clean_bytes = (tmp_path / "clean.gclip").read_bytes()
             assert (tmp_path / "cached.gclip").read_bytes() == clean_bytes
-        return cache.found, cache.solved
+        return cache.read, cache.solved
 
     return bake
 

@@ -31,14 +31,14 @@ def test_what_is_there_is_kept_unless_forced(tmp_path):
 def test_of_two_bakes_at_once_the_slower_one_overwrites_nothing(
     write_scans, tmp_path, monkeypatch, capsys
 ):
-    path, bake = tmp_path / "plant.gclip", plant.bake_recorded
+    path, bake = tmp_path / "plant.gclip", plant.bake_with_survey
 
     def bake_slowly(*arguments, **named):
         clip, survey = bake(*arguments, **named)
         path.write_text("the other's")
         return clip, survey
 
-    monkeypatch.setattr(plant, "bake_recorded", bake_slowly)
+    monkeypatch.setattr(plant, "bake_with_survey", bake_slowly)
     words = [str(write_scans(days=(0, 1))), "-o", str(path), "-q", "--align", "none"]
     assert main(words) == 2
     assert capsys.readouterr().err == f"bake: {path} exists; --force overwrites it.\n"

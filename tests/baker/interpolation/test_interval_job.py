@@ -8,7 +8,7 @@ import pytest
 
 from baker import Options
 from baker.interpolation.interval_job import solve_interval, solve_intervals
-from baker.pipeline import bake_recorded
+from baker.pipeline import bake_with_survey
 
 PLAIN = Options(align="none", up="z", workers=1)
 
@@ -29,7 +29,7 @@ def test_jobs_sent_away_give_the_same_clip(write_scans, tmp_path, options):
     folder = write_scans(days=(0, 1, 2))
     solvers = {"here": (None, 1), "few": (None, 2), "many": (None, 5), "away": (sent_away, 1)}
     for name, (solve, workers) in solvers.items():
-        clip, _ = bake_recorded([folder], replace(options, workers=workers), solve=solve)
+        clip, _ = bake_with_survey([folder], replace(options, workers=workers), solve=solve)
         clip.save(tmp_path / f"{name}.gclip")
     assert len({(tmp_path / f"{name}.gclip").read_bytes() for name in solvers}) == 1
 
@@ -37,7 +37,7 @@ def test_jobs_sent_away_give_the_same_clip(write_scans, tmp_path, options):
 @pytest.mark.parametrize("workers", [1, 2, 5])
 def test_progress_reaches_all_organs(write_scans, workers):
     reported = []
-    bake_recorded(
+    bake_with_survey(
         [write_scans(days=(0, 1, 2))],
         replace(PLAIN, workers=workers),
         lambda stage, *counts: reported.append(counts) if stage == "transport" else None,
@@ -63,7 +63,7 @@ def test_the_paper_registers_no_organs(write_scans, options, registered):
         searched.extend(job.is_registered for job in jobs)
         return solve_intervals(jobs, report_progress, threads)
 
-    bake_recorded([write_scans()], options, solve=solve)
+    bake_with_survey([write_scans()], options, solve=solve)
     assert set(searched) == {registered}
 
 
@@ -73,7 +73,7 @@ def test_an_error_in_a_job_ends_the_bake(write_scans, workers):
         return solve_intervals([replace(job, end=None) for job in jobs], report_progress, threads)
 
     with pytest.raises(AttributeError):
-        bake_recorded([write_scans()], replace(PLAIN, workers=workers), solve=solve)
+        bake_with_survey([write_scans()], replace(PLAIN, workers=workers), solve=solve)
 
 
 def test_the_threads_of_earlier_stages_end_before_the_transport(write_scans):
@@ -86,5 +86,5 @@ def test_the_threads_of_earlier_stages_end_before_the_transport(write_scans):
         left.extend(thread for thread in before if thread.is_alive())
         return solve_intervals(jobs, report_progress, threads)
 
-    bake_recorded([write_scans()], replace(PLAIN, workers=2), solve=solve)
+    bake_with_survey([write_scans()], replace(PLAIN, workers=2), solve=solve)
     assert not left

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from baker.alignment.keyframes import Keyframe
-from baker.interpolation.movers import OrganPaths, carried_deviations, moving
+from baker.interpolation.movers import OrganPaths, child_deviations, organ_movers
 from baker.interpolation.organ_motion import OrganMotion, fit_motion
 from baker.interpolation.organ_shapes import organ_shapes
 from baker.interpolation.packing import Movers
@@ -54,11 +54,11 @@ def baked() -> tuple[np.ndarray, list[np.ndarray], Movers]:
         task = Task("birth" if organ == 3 else "match", organ, start, end)
         index = np.arange(len(start))
         organs.append(OrganPaths(task, Correspondences(index, index, 0.0, 0.0, "")))
-    carried = carried_deviations(1, motion, clouds[1], match.second)
+    carried = child_deviations(1, motion, clouds[1], match.second)
     deviation = motion.deviation(clouds[0][starts[1]])
-    organs[1] = replace(organs[1], deviation=deviation, carried=carried)
+    organs[1] = replace(organs[1], deviation=deviation, child_deviations=carried)
     frames = (Keyframe(cloud, None) for cloud in clouds)
-    return clouds[0], starts, moving(organs, *frames, match.second, 1.0)
+    return clouds[0], starts, organ_movers(organs, *frames, match.second, 1.0)
 
 
 def deviation_of(movers: Movers, organ: int) -> np.ndarray:
@@ -101,9 +101,9 @@ def test_an_organ_is_carried_by_all_that_it_grows_on() -> None:
     plan = Correspondences(np.zeros(1, int), np.zeros(1, int), 0.0, 0.0, "")
     carried: tuple[dict[int, np.ndarray], ...] = ({1: np.eye(3)[0]}, {2: np.eye(3)[1]}, {})
     organs = [
-        OrganPaths(Task("match", organ, points, points), plan, carried=carried[organ])
+        OrganPaths(Task("match", organ, points, points), plan, child_deviations=carried[organ])
         for organ, points in enumerate(scan.segments)
     ]
-    movers = moving(organs, Keyframe(cloud, None), Keyframe(cloud, None), scan, 0.0)
+    movers = organ_movers(organs, Keyframe(cloud, None), Keyframe(cloud, None), scan, 0.0)
     shifts = [deviation_of(movers, organ)[0] for organ in range(3)]
     np.testing.assert_allclose(shifts, [(0, 0, 0), (1, 0, 0), (1, 1, 0)])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from baker.interpolation.spine import (
-    LEVELS,
-    at_levels,
+    NODES,
     fit_spine,
-    levels,
+    interpolate_nodes,
+    node_positions,
     path_lengths,
 )
 
@@ -41,12 +41,12 @@ def test_points_that_coincide_are_no_gap() -> None:
 def test_a_rods_spine_is_its_axis_to_the_ends() -> None:
     points = rod(2000)
     spine = fit_spine(points, points[:, 0] - points[:, 0].min())
-    assert spine.nodes.shape == (LEVELS, 3)
-    np.testing.assert_allclose(spine.nodes[:, 0], 98 * levels(), atol=1.5)
+    assert spine.nodes.shape == (NODES, 3)
+    np.testing.assert_allclose(spine.nodes[:, 0], 98 * node_positions(), atol=1.5)
     assert np.abs(spine.nodes[:, 1:]).max() < 0.5
     assert (spine.tangents[:, 0] > 0.99).all()
 
 
 def test_values_at_levels_are_read_between_them() -> None:
-    values = np.column_stack([levels(), 2 * levels(), 0 * levels()])
-    np.testing.assert_allclose(at_levels(values, np.array([0.33]))[0], [0.33, 0.66, 0.0])
+    values = np.column_stack([node_positions(), 2 * node_positions(), 0 * node_positions()])
+    np.testing.assert_allclose(interpolate_nodes(values, np.array([0.33]))[0], [0.33, 0.66, 0.0])

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from baker.matching.match import follow_organs, match_by_label
+from baker.matching.match import chain_matches, match_by_label
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 
@@ -32,7 +32,7 @@ def test_match_by_label():
 
 def test_organs_keep_their_number_and_know_their_parent():
     matches = [match_by_label(a, b) for a, b in pairwise([SEEDLING, GROWN, SEEDLING])]
-    organs, matches = follow_organs(matches, consistent=True)
+    organs, matches = chain_matches(matches, consistent=True)
     by_label = {organ.label: organ for organ in organs}
     assert len(organs) == 5
     assert organs[0].label == 0
@@ -47,5 +47,5 @@ def test_organs_keep_their_number_and_know_their_parent():
 
 def test_independent_labels_never_bring_an_organ_back():
     matches = [match_by_label(a, b) for a, b in pairwise([SEEDLING, GROWN, SEEDLING])]
-    organs, _ = follow_organs(matches, consistent=False)
+    organs, _ = chain_matches(matches, consistent=False)
     assert sum(organ.label == 1 for organ in organs) == 2

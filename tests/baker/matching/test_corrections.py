@@ -16,7 +16,7 @@ from baker.cli import main
 from baker.matching.corrections import PointCorrection, with_corrected_organs
 from corrections import Correction, Place, write_corrections
 from gclip import Clip
-from traits import Namer, write_table
+from traits import NamedPlant, write_table
 
 PLAIN = {"align": "none", "up": "z", "paths": "straight", "workers": 1}
 
@@ -166,7 +166,7 @@ def test_an_organ_is_called_as_it_was_named(folder):
     (new,) = {one.name for one in named.track_table} - {one.name for one in clip.track_table}
     assert new == "flag leaf"
     table = StringIO(newline="")
-    write_table(table, Namer(named, "p"), [3.0])
+    write_table(table, NamedPlant(named, "p"), [3.0])
     assert "flag leaf" in table.getvalue()
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from baker.errors import InputError
 from baker.matching.corrections import PointCorrection
-from baker.matching.labels import MIN_AGREEMENT, follow_labels, label_agreement, label_policy
+from baker.matching.labels import MIN_AGREEMENT, label_agreement, label_policy, with_tracked_labels
 from baker.segmentation.from_labels import hierarchy_from_labels
 
 
@@ -39,7 +39,7 @@ def tracked(clouds, labels, requested="independent", corrections=()):
         hierarchy_from_labels(cloud, own, int(own[0]))
         for cloud, own in zip(clouds, labels, strict=True)
     ]
-    use = follow_labels(use, clouds, hierarchies, bases, corrections)
+    use = with_tracked_labels(use, clouds, hierarchies, bases, corrections)
     assert use.consistent
     assert use.renamed
     return use.labels
@@ -97,9 +97,9 @@ def test_scans_without_labels_get_those_of_their_tracks(series):
         hierarchy_from_labels(cloud, labels, int(labels[0]))
         for cloud, labels in zip(clouds, own, strict=True)
     ]
-    use = follow_labels(use, clouds, hierarchies, bases)
+    use = with_tracked_labels(use, clouds, hierarchies, bases)
     assert not use.renamed
-    for labels, wanted in zip(use.given, numbers, strict=True):
+    for labels, wanted in zip(use.available, numbers, strict=True):
         np.testing.assert_array_equal(labels, wanted)
 
 
@@ -141,8 +141,8 @@ def test_the_policy_says_why(series):
     turned = [(labels + k) % (labels.max() + 1) for k, labels in enumerate(truth)]
     assert not label_policy(turned, names, clouds, bases, "auto").consistent
     assert label_policy(turned, names, clouds, bases, "consistent").consistent
-    assert not label_policy(truth, names, clouds, bases, "ignore").given
-    assert not label_policy([None] * 5, names, clouds, bases, "auto").given
+    assert not label_policy(truth, names, clouds, bases, "ignore").available
+    assert not label_policy([None] * 5, names, clouds, bases, "auto").available
     with pytest.raises(InputError, match="have no labels"):
         label_policy([None] * 5, names, clouds, bases, "consistent")
     points, many = [np.arange(1001) for _ in names], [np.eye(3)[np.zeros(1001, int)] for _ in names]

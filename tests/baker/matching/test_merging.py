@@ -44,7 +44,7 @@ def test_both_parts_keep_their_names_where_that_was_asked_for(series):
     clouds, tracks = series
     outer = (tracks[1] == 1) & (np.hypot(*clouds[1][:, :2].T) > 2.5)
     cut = [tracks[0], np.where(outer, 99, tracks[1]), *tracks[2:]]
-    for merged, given in zip(merge_parts(clouds, cut, kept=[99]), cut, strict=True):
+    for merged, given in zip(merge_parts(clouds, cut, protected=[99]), cut, strict=True):
         np.testing.assert_array_equal(merged, given)
 
 

@@ -17,10 +17,10 @@ from tests.baker.conftest import write_series
 def baked(tmp_path_factory) -> tuple[Clip, Survey]:
     """Five scans of a plant, two of them left out."""
     from baker import Options
-    from baker.pipeline import bake_recorded
+    from baker.pipeline import bake_with_survey
 
     scans = write_series(tmp_path_factory.mktemp("report") / "scans", days=range(5))
-    return bake_recorded([scans], Options(align="none", up="z", holdout=2))
+    return bake_with_survey([scans], Options(align="none", up="z", holdout=2))
 
 
 @pytest.fixture(scope="session")

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from baker import InputError, Options
 from baker.alignment.keyframes import held_out_scans
-from baker.pipeline import bake_recorded
+from baker.pipeline import bake_with_survey
 from baker.report.verification import overall, verify
 
 PLAIN = Options(align="none", up="z", paths="straight", workers=1)
@@ -48,22 +48,22 @@ WHOLE = replace(PLAIN, transport="whole", holdout=2)
 
 
 def test_an_even_shift_is_reconstructed_at_the_scans_time(shifted):
-    clip, _ = bake_recorded([shifted], WHOLE)
+    clip, _ = bake_with_survey([shifted], WHOLE)
     (error,) = verify(clip)
     assert (error.name, error.date, error.points) == ("day1.xyz", "day 1", 400)
-    for distances in error.both:
+    for distances in error.distances:
         assert distances.maximum < 1e-3  # at another time than day 1: 0.5
 
 
 def test_distances_are_those_to_the_nearest_point(shifted):
     far = np.loadtxt(shifted / "day1.xyz")
     np.savetxt(shifted / "day1.xyz", np.vstack([far, [[30.0, 1.0, 1.5]]]), fmt="%.6f")
-    clip, _ = bake_recorded([shifted], WHOLE)
+    clip, _ = bake_with_survey([shifted], WHOLE)
     (error,) = verify(clip)
-    assert error.both[0].maximum < 1e-3, "nothing was made up"
+    assert error.distances[0].maximum < 1e-3, "nothing was made up"
     real = np.loadtxt(shifted / "day1.xyz")
     missed = cKDTree(clip.at(1.0).positions).query(real)[0]
-    distances = error.both[1]
+    distances = error.distances[1]
     assert distances.maximum == pytest.approx(missed.max(), rel=1e-4)
     assert distances.mean == pytest.approx(missed.mean(), rel=1e-3)
     assert distances.deviation == pytest.approx(missed.std(), rel=1e-3)
@@ -75,17 +75,18 @@ def test_figures_are_in_the_unit_of_the_scans(write_scans):
     large.mkdir()
     for path in folder.iterdir():
         np.savetxt(large / path.name, np.loadtxt(path) * [1000, 1000, 1000, 1], fmt="%.4f")
-    errors = [verify(bake_recorded([f], replace(PLAIN, holdout=2))[0])[0] for f in (folder, large)]
-    small, big = (error.both[0] for error in errors)
+    options = replace(PLAIN, holdout=2)
+    errors = [verify(bake_with_survey([f], options)[0])[0] for f in (folder, large)]
+    small, big = (error.distances[0] for error in errors)
     assert small.mean > 1e-2
     assert big.mean == pytest.approx(1000 * small.mean, rel=1e-2)
 
 
 def test_scans_left_out_play_no_part_in_the_bake(write_scans):
     folder = write_scans(days=(0, 1, 2, 3, 4))
-    clip, record = bake_recorded([folder], replace(PLAIN, holdout=2))
+    clip, record = bake_with_survey([folder], replace(PLAIN, holdout=2))
     kept = [folder / f"day{day:02d}.txt" for day in (0, 2, 4)]
-    alone, _ = bake_recorded(kept, PLAIN)
+    alone, _ = bake_with_survey(kept, PLAIN)
     assert alone.held_out == ()
     assert clip.held_out == record.held_out
     assert [scan.name for scan in clip.scans] == [path.name for path in kept]
@@ -100,19 +101,19 @@ def test_scans_left_out_play_no_part_in_the_bake(write_scans):
 
 
 def test_a_whole_series_has_nothing_to_verify(write_scans):
-    clip, _ = bake_recorded([write_scans()], PLAIN)
+    clip, _ = bake_with_survey([write_scans()], PLAIN)
     assert verify(clip) == []
 
 
 def test_all_together(write_scans):
-    clip, _ = bake_recorded([write_scans(days=range(5))], replace(PLAIN, holdout=2))
+    clip, _ = bake_with_survey([write_scans(days=range(5))], replace(PLAIN, holdout=2))
     errors = verify(clip)
     made, missed = overall(errors)
-    assert made.mean == pytest.approx(np.mean([e.both[0].mean for e in errors]))
-    assert missed.maximum == max(e.both[1].maximum for e in errors)
+    assert made.mean == pytest.approx(np.mean([e.distances[0].mean for e in errors]))
+    assert missed.maximum == max(e.distances[1].maximum for e in errors)
 
 
 @pytest.mark.parametrize(("every", "words"), [(2, "leaves none of the 2"), (1, "at least 2")])
 def test_what_cannot_be_left_out(write_scans, every, words):
     with pytest.raises(InputError, match=words):
-        bake_recorded([write_scans(days=(0, 1))], replace(PLAIN, holdout=every))
+        bake_with_survey([write_scans(days=(0, 1))], replace(PLAIN, holdout=every))

@@ -12,11 +12,11 @@ from baker.errors import InputError
 from baker.scans.cleaning import (
     _row_bytes,
     downsample,
+    downsample_to,
     drop_duplicates,
     drop_non_finite,
     drop_outliers,
     relative_to,
-    resampled,
     shared_origin,
 )
 from baker.scans.scan import Scan
@@ -151,7 +151,7 @@ def test_a_scan_far_from_the_first_has_its_own_origin():
 def test_resampling_comes_near_the_number_and_evens_the_density():
     rng = np.random.default_rng(0)
     dense, sparse = rng.random((9000, 3)) * [1, 1, 0], rng.random((1000, 3)) * [1, 1, 0] + [1, 0, 0]
-    kept = resampled(Scan(np.concatenate([dense, sparse])), 800)
+    kept = downsample_to(Scan(np.concatenate([dense, sparse])), 800)
     assert len(kept) == pytest.approx(800, rel=0.05)
     share = (kept.points[:, 0] < 1).mean()
     assert 0.45 < share < 0.6
@@ -160,4 +160,4 @@ def test_resampling_comes_near_the_number_and_evens_the_density():
 
 def test_resampling_leaves_small_scans_alone():
     cloud = Scan(np.random.default_rng(0).random((50, 3)))
-    assert resampled(cloud, 50) is cloud
+    assert downsample_to(cloud, 50) is cloud

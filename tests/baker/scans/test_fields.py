@@ -29,9 +29,9 @@ def test_fields_that_may_be_labels():
 
 @pytest.mark.filterwarnings("error")
 def test_scalars_that_are_no_finite_numbers_are_no_values():
-    cloud = choose_fields(columns(ndvi=[np.inf, 0.5]), HERE, carried=["ndvi"])
+    cloud = choose_fields(columns(ndvi=[np.inf, 0.5]), HERE, clip_fields=["ndvi"])
     assert np.array_equal(cloud.scalars["ndvi"], [np.nan, 0.5], equal_nan=True)
-    cloud = choose_fields(columns(ndvi=[0.5, -1e300]), HERE, carried=["NDVI"])
+    cloud = choose_fields(columns(ndvi=[0.5, -1e300]), HERE, clip_fields=["NDVI"])
     assert np.array_equal(cloud.scalars["NDVI"], [0.5, np.nan], equal_nan=True)
 
 

@@ -21,9 +21,9 @@ def clouds(*scans):
     ]
 
 
-def chosen(*scans, is_asked=False):
+def chosen(*scans, is_requested=False):
     """The labels of each scan, what they were read from, and what was said."""
-    labelled, field, _, findings = choose_labels(clouds(*scans), is_asked)
+    labelled, field, _, findings = choose_labels(clouds(*scans), is_requested)
     labels = [None if cloud.labels is None else cloud.labels.tolist() for cloud in labelled]
     return labels, field, " ".join(finding.sentence for finding in findings)
 
@@ -85,7 +85,7 @@ def test_fractions_are_no_labels():
     assert labels == [None]
     assert "'column 4' is not used, as it holds 0.25" in said
     with pytest.raises(InputError, match=r"'a.ply': the field 'area' holds 0.25"):
-        chosen({"area": [0.25, 1, 1, 1]}, is_asked=True)
+        chosen({"area": [0.25, 1, 1, 1]}, is_requested=True)
 
 
 def test_intensities_are_no_labels():
@@ -99,7 +99,7 @@ def test_intensities_are_no_labels():
     assert found[1][0][0].labels.tolist() == organs.tolist()
     named = Scan(points, fields={"instance": intensity})
     assert choose_labels([named, named])[1] == ""
-    assert choose_labels([named, named], is_asked=True)[1] == "instance"
+    assert choose_labels([named, named], is_requested=True)[1] == "instance"
 
 
 @pytest.mark.parametrize("kind", ["u1", "i1", "u2", "i4", "i8", ">i4", "f4", "f8", ">f8"])
@@ -196,7 +196,7 @@ def test_labels_that_are_needed_are_taken_at_their_word():
     kinds = {"organ": np.minimum(ORGANS, 1)}
     scans = [Scan(PLANT, fields=kinds)] * 2
     assert choose_labels(scans)[1] == ""
-    assert choose_labels(scans, are_needed=True)[1] == "organ"
+    assert choose_labels(scans, is_labelled=True)[1] == "organ"
 
 
 def test_a_field_of_any_name_counts_where_its_values_lie_as_organs_do():

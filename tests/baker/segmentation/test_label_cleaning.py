@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 
 from baker.geometry.neighbors import nearest_neighbors
 from baker.options import Options
-from baker.pipeline import bake_recorded
+from baker.pipeline import bake_with_survey
 from baker.scans.cleaning import drop_duplicates
 from baker.scans.scan import Scan
 from baker.segmentation.label_cleaning import clean_labels
@@ -150,7 +150,7 @@ def test_the_papers_way_leaves_labels_alone(tmp_path: Path, plant):
         np.savetxt(tmp_path / f"day{day}.txt", np.column_stack([points + 0.01 * day, noisy]))
     for paper, wanted in ((True, noisy), (False, labels)):
         options = Options(paper=paper, align="none", workers=1)
-        _, record = bake_recorded([tmp_path], options)
+        _, record = bake_with_survey([tmp_path], options)
         assert all((scan.labels == wanted).all() for scan in record.series.scans)
         notes = ["".join(scan.notes) for scan in record.series.scans]
         assert all(("3 points were given the label" in note) != paper for note in notes)

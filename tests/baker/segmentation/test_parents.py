@@ -28,7 +28,7 @@ def series(*scans):
     return clouds, labels
 
 
-def bearers(scans, agreeing=True):
+def bearers(scans, same_parents=True):
     """Of each scan, by label, the label of what bears it."""
     clouds, labels = series(*scans)
     found = labelled_hierarchies(
@@ -37,7 +37,7 @@ def bearers(scans, agreeing=True):
         [0] * len(clouds),
         [nearest_neighbors(cloud) for cloud in clouds],
         consistent=True,
-        agreeing=agreeing,
+        same_parents=same_parents,
         virtual_root=False,
     )
     return [
@@ -54,7 +54,7 @@ TOUCHING = [(0, STEM), (1, LEFT), (2, SWUNG)]
 
 
 def test_an_organ_that_touches_another_once_stays_on_its_bearer():
-    assert bearers([USUAL, TOUCHING], agreeing=False)[1][2] == 1
+    assert bearers([USUAL, TOUCHING], same_parents=False)[1][2] == 1
     for order in ([USUAL, TOUCHING], [TOUCHING, USUAL], [USUAL, TOUCHING, USUAL]):
         assert all(scan == {0: None, 1: 0, 2: 0} for scan in bearers(order))
 

@@ -51,7 +51,7 @@ def test_a_hole_in_the_stem_makes_no_branches():
     hole = (abs(stem[:, 2] - 10) < 0.5) & (stem[:, 0] > 0)
     sample = sample_of(stem[~hole])
     tree = reeb_tree(sample)
-    beside = [sorted(tree.reach[children])[:-1] for children in tree.children if children]
+    beside = [sorted(tree.tip_distance[children])[:-1] for children in tree.children if children]
     assert max(map(max, filter(None, beside)), default=0.0) < 1.5 * sample.diameter
 
 
@@ -67,7 +67,7 @@ def test_leaves_that_touch_stay_two():
     branch = np.zeros(len(tree.parent), int)
     for node, parent in enumerate(tree.parent):
         beside = tree.children[parent] if parent >= 0 else []
-        above = node in beside and all(tree.reach[beside] > 4) and len(beside) > 1
+        above = node in beside and all(tree.tip_distance[beside] > 4) and len(beside) > 1
         branch[node] = node if above else branch[max(parent, 0)]
     high = (sample.points[:, 2] > 10) & (sample.points[:, 2] < 15)
     left, right = (branch[tree.node][high & (s * sample.points[:, 0] > 0)] for s in (-1, 1))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.transport.problem import MIN_SHARE, TOTAL_MASS, TransportOptions, shared_masses
+from baker.transport.problem import MIN_SHARE, TOTAL_MASS, TransportOptions, overlap_masses
 from baker.transport.solve import solve
 
 
@@ -12,7 +12,7 @@ from baker.transport.solve import solve
 )
 def test_masses_are_whole_above_nothing_and_of_equal_sums(n, m):
     rng = np.random.default_rng(n + m)
-    supply, demand = shared_masses(rng.random((n, 3)), rng.random((m, 3)))
+    supply, demand = overlap_masses(rng.random((n, 3)), rng.random((m, 3)))
     assert supply.shape == (n,)
     assert demand.shape == (m,)
     assert supply.dtype == demand.dtype == np.int64
@@ -24,7 +24,7 @@ def test_what_one_cloud_lacks_hardly_counts():
     rng = np.random.default_rng(0)
     old = rng.random((500, 3))
     new = np.concatenate([rng.random((500, 3)), rng.random((300, 3)) + np.array([3, 0, 0])])
-    supply, demand = shared_masses(old, new)
+    supply, demand = overlap_masses(old, new)
     assert demand[500:].max() <= 1.1 * MIN_SHARE * demand[:500].max()
     assert np.median(supply) == pytest.approx(TOTAL_MASS / 500, rel=0.15)
 
@@ -36,8 +36,8 @@ def test_the_plan_keeps_to_them_and_is_optimal():
     rng = np.random.default_rng(1)
     start = rng.random((300, 3))
     end = np.concatenate([rng.random((250, 3)), rng.random((150, 3)) + np.array([2, 0, 0])])
-    supply, demand = shared_masses(start, end)
-    plan = solve(start, end, TransportOptions(shared=True))
+    supply, demand = overlap_masses(start, end)
+    plan = solve(start, end, TransportOptions(overlap=True))
     np.testing.assert_allclose(np.bincount(plan.rows, plan.mass), supply / supply.sum(), atol=1e-12)
     np.testing.assert_allclose(
         np.bincount(plan.columns, plan.mass), demand / demand.sum(), atol=1e-12
@@ -57,7 +57,7 @@ def test_what_both_have_stays_in_its_place():
     )
     moved = {}
     for shared in (False, True):
-        plan = solve(start, end, TransportOptions(shared=shared))
+        plan = solve(start, end, TransportOptions(overlap=shared))
         old = plan.columns < 400
         way = np.linalg.norm(start[plan.rows[old]] - end[plan.columns[old]], axis=1)
         moved[shared] = np.average(way, weights=plan.mass[old])

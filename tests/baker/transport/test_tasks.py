@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.distance import cdist
 
-from baker.matching.match import follow_organs, match_by_label
+from baker.matching.match import chain_matches, match_by_label
 from baker.segmentation.from_labels import hierarchy_from_labels
 from baker.transport.tasks import interval_tasks
 
@@ -20,7 +20,7 @@ def scan(*organs):
 
 def tasks_between(first, second, **options):
     (p, h), (q, g) = first, second
-    _, (match,) = follow_organs([match_by_label(h, g)], consistent=True)
+    _, (match,) = chain_matches([match_by_label(h, g)], consistent=True)
     return interval_tasks((p, q), match, **options)
 
 

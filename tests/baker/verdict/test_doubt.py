@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from baker import Options
-from baker.pipeline import bake_recorded
+from baker.pipeline import bake_with_survey
 from baker.verdict.doubt import command_for, describe_verdict, verdict_provenance
 from gclip import Clip
 from traits.doubts import Doubt, doubts_of
@@ -17,7 +17,7 @@ from traits.doubts import Doubt, doubts_of
 
 @pytest.fixture
 def clip(write_scans) -> Clip:
-    return bake_recorded([write_scans(days=range(5))], Options(align="none", up="z"))[0]
+    return bake_with_survey([write_scans(days=range(5))], Options(align="none", up="z"))[0]
 
 
 def test_a_clean_film_is_said_to_be_right(clip):

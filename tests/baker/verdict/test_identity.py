@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from baker import Options
-from baker.pipeline import bake_recorded
+from baker.pipeline import bake_with_survey
 from traits.doubts import doubts_of
 
 
@@ -29,7 +29,7 @@ def series(tmp_path):
             rows = [np.column_stack([stem, np.zeros(300)]), *leaves]
             np.savetxt(tmp_path / f"day{day}.txt", np.concatenate(rows), fmt="%.4f")
         options = Options(align="none", up="z", labels="independent", workers=1)
-        clip, _ = bake_recorded([tmp_path], options)
+        clip, _ = bake_with_survey([tmp_path], options)
         return [(doubt.start, doubt.what, doubt.identity) for doubt in doubts_of(clip)]
 
     return doubts

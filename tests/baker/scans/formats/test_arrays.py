@@ -15,7 +15,7 @@ POINTS = np.arange(12.0).reshape(4, 3)
 
 def read(path, **options):
     cloud = choose_fields(read_columns(path), path, **options)
-    return choose_labels([cloud], is_asked=True)[0][0]
+    return choose_labels([cloud], is_requested=True)[0][0]
 
 
 @pytest.mark.parametrize("name", ["points", "positions", "xyz"])

@@ -19,7 +19,7 @@ from tests.baker.sound_files import SOUND, lzf_literals
 
 def read(path: Path, **options):
     cloud = choose_fields(read_columns(path), path, **options)
-    return choose_labels([cloud], is_asked=True)[0][0]
+    return choose_labels([cloud], is_requested=True)[0][0]
 
 
 def read_or_fault(path: Path, **options):
