@@ -204,12 +204,20 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     order = np.argsort(sizes, kind="stable")[::-1]
     solutions = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
     paths = [organ for k in np.argsort(order) if (organ := solutions[k]) is not None]
+    # In a thread of the map, which uses the memory of the transport again.
+    (interval,) = map(_packed, [paths], [job])
+    return interval
+
+
+def _packed(paths: Sequence[OrganPaths], job: IntervalJob) -> Interval:
+    """Pack the movers of all organs of an interval."""
     lost = [
         lost_organ_movers(task, job.start, job.decays[task.organ], job.vertical, job.floor)
         for task in job.tasks
         if task.event == "loss"
     ]
-    moved = [organ_movers(paths, job.start, job.end, scan, job.growth)] if paths else []
+    scan = job.match.second
+    moved = organ_movers(paths, job.start, job.end, scan, job.growth) if paths else []
     return pack_interval(
         *job.times,
         [*moved, *(movers for movers, _ in lost)],

@@ -47,48 +47,44 @@ class OrganPaths:
 
 def organ_movers(
     organs: Sequence[OrganPaths], start: Keyframe, end: Keyframe, scan: Hierarchy, growth: float
-) -> Movers:
+) -> list[Movers]:
     """The movers of all matched and new organs of an interval.
 
     scan: the hierarchy of the second scan. growth: as in `with_even_density`; used if the keyframes
     have point areas.
     """
     tasks, plans = [organ.task for organ in organs], [organ.plan for organ in organs]
+    both = list(zip(tasks, plans, strict=True))
+    # The points of both scans that movers start and end at.
+    a = np.concatenate([task.start[plan.rows] for task, plan in both], dtype=np.int32)
+    b = np.concatenate([task.end[plan.columns] for task, plan in both], dtype=np.int32)
     counts = [len(plan.rows) for plan in plans]
-    # The rows and columns of all plans, as indices of the tasks' points, task after task.
-    starts, rows = _stacked([task.start for task in tasks], [plan.rows for plan in plans])
-    ends, columns = _stacked([task.end for task in tasks], [plan.columns for plan in plans])
-    a, b = starts[rows], ends[columns]
     is_born = np.repeat([task.event == "birth" for task in tasks], counts)
-    curve: tuple[Floats, ...] = start.positions.take(a, axis=0), end.positions.take(b, axis=0)
-    if (shift := _total_deviations(organs, scan)).any():
-        origin, control, target = elevate_degree(curve, 2)
-        # The weight of the control point at mid-interval is 1/2.
-        curve = origin, (control + 2.0 * shift).astype(np.float32), target
+    curve = _curve(start.positions.take(a, axis=0), end.positions.take(b, axis=0), organs, scan)
     colors: tuple[NDArray[np.uint8] | None, NDArray[np.uint8] | None] = None, None
     if start.colors is not None and end.colors is not None:
         colors = start.colors.take(a, axis=0), end.colors.take(b, axis=0)
     normals = None
     if start.normals is not None and end.normals is not None:
-        last = end.normals.take(b, axis=0)  # a new organ has no surface at the start
-        normals = np.hstack([np.where(is_born[:, None], last, start.normals.take(a, axis=0)), last])
-    tracks = np.repeat([task.organ for task in tasks], counts)
+        normals = np.hstack([start.normals.take(a, axis=0), end.normals.take(b, axis=0)])
+        normals[is_born, :2] = normals[is_born, 2:]  # a new organ has no surface at the start
+    tracks = np.repeat(np.array([task.organ for task in tasks], np.int32), counts)
     movers = Movers(Motion.MOVE, curve, tracks, *colors, normals)
     if start.area is None or end.area is None:
-        return movers
-    area = mid_area(np.where(is_born, 0.0, start.area[a]), rows, end.area[b], columns)
-    return with_even_density(movers, area, rows, columns, growth)
+        return [movers]
+    # Several new organs may start at the same points, but share no area there.
+    begins = np.cumsum([0, *(len(task.start) for task in tasks)])
+    rows = np.concatenate(
+        [plan.rows + begin for plan, begin in zip(plans, begins, strict=False)], dtype=np.int32
+    )
+    area = mid_area(np.where(is_born, 0.0, start.area[a]), rows, end.area[b], b)
+    return with_even_density(movers, area, rows, b, growth)
 
 
-def _stacked(points: Sequence[Indices], indices: Sequence[Indices]) -> tuple[Indices, Indices]:
-    """Concatenate arrays of points, and arrays of indices into each of them."""
-    begins = np.cumsum([0, *map(len, points)])
-    stacked = [index + begin for index, begin in zip(indices, begins, strict=False)]
-    return np.concatenate(points), np.concatenate(stacked)
-
-
-def _total_deviations(organs: Sequence[OrganPaths], scan: Hierarchy) -> Floats:
-    """(M, 3) deviation of each mover: that of its organ, and those of all organs it grows on."""
+def _curve(
+    start: Floats, end: Floats, organs: Sequence[OrganPaths], scan: Hierarchy
+) -> tuple[Floats, ...]:
+    """The curves of movers, with the deviations of their organs and of all these grow on."""
     attached: dict[int, Floats] = {}  # organ -> deviation of its attachment on the parent
     for organ in organs:
         attached |= organ.child_deviations
@@ -97,10 +93,13 @@ def _total_deviations(organs: Sequence[OrganPaths], scan: Hierarchy) -> Floats:
         own = attached.get(scan.organs[segment], np.zeros(3))
         shifts[segment] = shifts[scan.parents[segment]] + own
     by_track = {track: shifts[segment] for segment, track in enumerate(scan.organs)}
-    base = [np.tile(by_track[organ.task.organ], (len(organ.plan.rows), 1)) for organ in organs]
-    return np.concatenate(
-        [shift + organ.deviation for shift, organ in zip(base, organs, strict=True)]
-    )
+    control, stop, is_bent = elevate_degree((start, end), 2)[1], 0, False
+    for organ in organs:
+        shift = by_track[organ.task.organ] + organ.deviation
+        begin, stop = stop, stop + len(organ.plan.rows)
+        control[begin:stop] += 2.0 * shift  # its weight at mid-interval is 1/2
+        is_bent = is_bent or bool(shift.any())
+    return (start, control, end) if is_bent else (start, end)
 
 
 def lost_organ_movers(

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import chain, groupby
 from operator import attrgetter
 from typing import Any
 
@@ -56,19 +56,21 @@ def pack_interval(
         "float32", or "auto": 16-bit integers, if their step is at most `MAX_STEP` of the spacing.
     segments : tuple of SegmentPair
     """
-    degree = max(len(m.curve) - 1 for m in movers)
     movers = [m for motion in Motion for m in movers if m.motion is motion and len(m)]
-    groups: list[Group] = []
+    degree = max(len(m.curve) - 1 for m in movers)
+    curves = [elevate_degree(m.curve, degree) for m in movers]
+    groups, orders = list[Group](), []
     for motion, same in groupby(movers, attrgetter("motion")):
-        groups.append(Group(groups[-1].stop if groups else 0, sum(map(len, same)), motion))
-    elevated = (elevate_degree(m.curve, degree) for m in movers)
-    curve = [_concatenate(points) for points in zip(*elevated, strict=True)]
-    tracks = _concatenate([m.tracks for m in movers])
-    optional = {n: _concatenate([getattr(m, n) for m in movers]) for n in OPTIONAL}
-    ends = (curve[0][g.first : g.stop] + curve[-1][g.first : g.stop] for g in groups)
-    order = np.concatenate([g.first + block_shuffle(m) for g, m in zip(groups, ends, strict=True)])
-    in_order: Any = {n: a if a is None else a[order] for n, a in optional.items()}
-    low, high = extent(*curve)
+        ends = np.concatenate([m.curve[0] + m.curve[-1] for m in same])
+        groups.append(Group(groups[-1].stop if groups else 0, len(ends), motion))
+        orders.append(groups[-1].first + block_shuffle(ends))
+    order = np.concatenate(orders)
+    low, high = extent(*chain.from_iterable(curves))
+    tracks = np.concatenate([m.tracks for m in movers])
+    tracks = tracks.astype(np.uint16 if tracks.max() <= 0xFFFF else np.uint32)
+    colors_and_normals = {
+        name: _in_order([getattr(m, name) for m in movers], order) for name in OPTIONAL
+    }
     is_float = precision == "float32" or (high - low).max() / LEVELS > MAX_STEP * spacing
     box = None if is_float else Box(tuple(low.tolist()), tuple(high.tolist()))
     return Interval(
@@ -77,9 +79,12 @@ def pack_interval(
         degree=degree,
         box=box,
         groups=tuple(groups),
-        curve=tuple(_packed(curve.pop(0), box, order) for _ in range(degree + 1)),
-        tracks=np.take(tracks.astype(np.uint16 if tracks.max() <= 0xFFFF else np.uint32), order),
-        **in_order,
+        curve=tuple(
+            _in_order([_quantised(points, box) for points in same], order)
+            for same in zip(*curves, strict=True)
+        ),
+        tracks=tracks[order],
+        **colors_and_normals,
         segments=segments,
     )
 
@@ -106,18 +111,19 @@ def elevate_degree(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArra
     return curve
 
 
-def _concatenate(arrays: Sequence[Any]) -> Any:
-    """Concatenate arrays; None if one is None."""
+def _in_order(arrays: Sequence[Any], order: NDArray[np.intp]) -> Any:
+    """Concatenate arrays in this order of their rows; None if one is None."""
     if any(array is None for array in arrays):
         return None
-    return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
+    return np.take(np.concatenate(arrays), order, axis=0)
 
 
-def _packed(points: NDArray[np.floating], box: Box | None, order: NDArray[np.intp]) -> NDArray[Any]:
-    """The points in this order, as float32 where there is no box."""
-    points = np.take(points, order, axis=0)
+def _quantised(points: NDArray[np.floating], box: Box | None) -> NDArray[Any]:
+    """Points as integers in a box, or as float32 where there is none."""
     if box is None:
         return points.astype(np.float32, copy=False)
-    points = points - np.asarray(box.low)
-    points /= np.where(box.step > 0, box.step, 1.0)
-    return np.round(points, out=points).astype(np.uint16)
+    low, step = np.asarray(box.low), np.where(box.step > 0, box.step, 1.0)
+    packed = np.empty(points.shape, np.uint16)
+    for axis in range(3):
+        packed[:, axis] = np.round((points[:, axis] - low[axis]) / step[axis])
+    return packed

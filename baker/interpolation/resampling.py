@@ -6,7 +6,7 @@ for their area, some are repeated: with the same start and end, so that the scan
 reproduced exactly, but displaced at mid-interval.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.morton import morton_order
+from baker.geometry.neighbors import blocks
 from baker.interpolation.packing import Movers, elevate_degree
 from gclip.evaluate import bernstein
 from gclip.schema import OPTIONAL
@@ -29,32 +30,29 @@ Indices = NDArray[np.integer]
 
 def with_even_density(
     movers: Movers, area: Floats, start_points: Indices, end_points: Indices, growth: float
-) -> Movers:
+) -> list[Movers]:
     """Repeat movers where they are sparse, up to `growth` times their number.
 
-    All movers then move on curves of degree 2; the repeated ones come last.
+    Returns the movers and, if any are repeated, the repetitions, on curves of degree 2.
 
     area: (M,) area that each mover represents at mid-interval, in squared length units.
     start_points, end_points: (M,) indices of the points at its ends.
     """
-    middle = position_at(movers.curve, 0.5)
-    wanted = np.maximum(_target_density(area, growth) * area - 1, 0)
-    repeated, repetition = _choose_repeated(middle, wanted)
+    density, middle = _target_density(area, growth), position_at(movers.curve, 0.5)
+    repeated, repetition = _choose_repeated(middle, np.maximum(density * area - 1, 0))
     if not len(repeated) or len(movers) <= NEIGHBORS:
-        return movers
-    groups, width = (start_points, end_points), np.sqrt(area)
-    shift = _displacements(middle, width, groups, repeated, repetition)
-
-    def extended(values: NDArray[Any]) -> NDArray[Any]:
-        return np.concatenate([values, values.take(repeated, axis=0)])
-
-    start, control, end = map(extended, elevate_degree(movers.curve, 2))
-    control[len(movers) :] += 2.0 * shift  # its weight at mid-interval is 1/2
+        return [movers]
+    curve = tuple(points.take(repeated, axis=0) for points in movers.curve)
+    start, control, end = elevate_degree(curve, 2)
+    groups, width = (start_points, end_points), np.sqrt(area[repeated])
+    for part, shift in _displacements(middle, width, groups, repeated, repetition):
+        control[part] += 2.0 * shift  # its weight at mid-interval is 1/2
     attributes = {name: getattr(movers, name) for name in ("tracks", *OPTIONAL)}
     repeated_attributes: dict[str, Any] = {
-        name: extended(values) for name, values in attributes.items() if values is not None
+        name: None if values is None else values.take(repeated, axis=0)
+        for name, values in attributes.items()
     }
-    return replace(movers, curve=(start, control, end), **repeated_attributes)
+    return [movers, replace(movers, curve=(start, control, end), **repeated_attributes)]
 
 
 def position_at(curve: Sequence[Floats], u: float) -> Floats:
@@ -88,39 +86,42 @@ def _displacements(
     groups: tuple[Indices, Indices],
     repeated: Indices,
     repetition: Indices,
-) -> Floats:
-    """(n, 3) displacements of repeated movers at mid-interval.
+) -> Iterator[tuple[slice, Floats]]:
+    """Yield the displacements of repeated movers at mid-interval, in blocks of these.
 
     Movers with the same start or end point form a group around its mean. A repetition is displaced
     away from that mean, by at most `MAX_OVERHANG`, since beyond a tip there are no other movers. A
     mover that shares no point is displaced towards a neighbour.
 
-    middle, width: (M, 3) and (M,) position and width of each mover at mid-interval. repeated,
-    repetition: as `_choose_repeated` returns them.
+    middle: (M, 3) positions of all movers at mid-interval. width: (n,) of the repeated movers.
+    repeated, repetition: as `_choose_repeated` returns them.
     """
     from scipy.spatial import KDTree
 
-    own = middle[repeated]
-    from_start, from_end = (own - _group_means(g, middle)[g[repeated]] for g in groups)
-    length, limit = np.linalg.norm(from_start, axis=1), MAX_OVERHANG * width[repeated]
-    from_start *= np.divide(limit, length, out=np.ones_like(length), where=length > limit)[:, None]
-    shift = from_start + from_end
-    is_single = ~shift.any(axis=1)
-    if is_single.any():
-        own = own[is_single]
-        ranks = np.arange(2, min(int(repetition[is_single].max()), NEIGHBORS - 1) + 3)
-        nearest = KDTree(middle, balanced_tree=False).query(own, k=ranks)[1]
-        neighbor = nearest[np.arange(len(nearest)), repetition[is_single] % NEIGHBORS]
-        # A third of the distance, since the neighbour's repetition may be as near from its side.
-        shift[is_single] = (middle[neighbor] - own) / 3
-    return shift / (1 + repetition // np.where(is_single, NEIGHBORS, 1))[:, None]
+    tree, means = KDTree(middle, balanced_tree=False), [_group_means(g, middle) for g in groups]
+    for part in blocks(len(repeated)):
+        chosen, turn, limit = repeated[part], repetition[part], MAX_OVERHANG * width[part]
+        own = middle[chosen]
+        from_start, from_end = (
+            own - mean[group[chosen]] for mean, group in zip(means, groups, strict=True)
+        )
+        length = np.linalg.norm(from_start, axis=1)
+        shorter = np.divide(limit, length, out=np.ones_like(length), where=length > limit)
+        shift = from_start * shorter[:, None] + from_end
+        is_single = ~shift.any(axis=1)
+        if is_single.any():
+            own, rank = own[is_single], turn[is_single] % NEIGHBORS
+            nearest = tree.query(own, k=np.arange(2, rank.max() + 3))[1]
+            neighbor = middle[nearest[np.arange(len(own)), rank]]
+            # A third of the distance: the neighbour's repetition may be as near from its side.
+            shift[is_single] = (neighbor - own) / 3
+        yield part, shift / (1 + turn // np.where(is_single, NEIGHBORS, 1))[:, None]
 
 
 def _group_means(group: Indices, values: Floats) -> Floats:
-    """(g, 3) mean of the (M, 3) values of each group's movers; NaN for a group without movers."""
-    sums = np.stack([np.bincount(group, weights) for weights in values.T], axis=1)
-    with np.errstate(invalid="ignore"):
-        return sums / np.bincount(group)[:, None]
+    """(groups, 3) mean of the `values` of each group's movers; 0 for a group without movers."""
+    count = np.maximum(np.bincount(group), 1)
+    return np.stack([np.bincount(group, weights) / count for weights in values.T], axis=1)
 
 
 def _choose_repeated(points: Floats, wanted: Floats) -> tuple[Indices, Indices]:

@@ -57,8 +57,8 @@ def correspond(
     order = np.lexsort((np.concatenate(columns), np.concatenate(rows)))
     note = f"its leaflets moved each on its own, {len(parts)} parts in all"
     return Correspondences(
-        np.concatenate(rows)[order],
-        np.concatenate(columns)[order],
+        np.concatenate(rows, dtype=np.int32)[order],
+        np.concatenate(columns, dtype=np.int32)[order],
         sum(part_costs) ** (1 / options.power),
         max(plan.marginal_error for plan in plans),
         plans[int(np.argmax(part_costs))].solver,

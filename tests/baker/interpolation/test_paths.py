@@ -58,7 +58,8 @@ def baked() -> tuple[np.ndarray, list[np.ndarray], Movers]:
     deviation = motion.deviation(clouds[0][starts[1]])
     organs[1] = replace(organs[1], deviation=deviation, child_deviations=carried)
     frames = (Keyframe(cloud, None) for cloud in clouds)
-    return clouds[0], starts, organ_movers(organs, *frames, match.second, 1.0)
+    (movers,) = organ_movers(organs, *frames, match.second, 1.0)
+    return clouds[0], starts, movers
 
 
 def deviation_of(movers: Movers, organ: int) -> np.ndarray:
@@ -104,6 +105,6 @@ def test_an_organ_is_carried_by_all_that_it_grows_on() -> None:
         OrganPaths(Task("match", organ, points, points), plan, child_deviations=carried[organ])
         for organ, points in enumerate(scan.segments)
     ]
-    movers = organ_movers(organs, Keyframe(cloud, None), Keyframe(cloud, None), scan, 0.0)
+    (movers,) = organ_movers(organs, Keyframe(cloud, None), Keyframe(cloud, None), scan, 0.0)
     shifts = [deviation_of(movers, organ)[0] for organ in range(3)]
     np.testing.assert_allclose(shifts, [(0, 0, 0), (1, 0, 0), (1, 1, 0)])

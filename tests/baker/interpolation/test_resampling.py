@@ -17,9 +17,16 @@ from gclip import Motion
 
 
 def filled(movers, area, growth, start_points=None, end_points=None):
+    """The movers and their repetitions, as one."""
     points = np.arange(len(movers))
     groups = (points if group is None else group for group in (start_points, end_points))
-    return with_even_density(movers, area, *groups, growth)
+    first, *repeated = with_even_density(movers, area, *groups, growth)
+    assert first is movers
+    for more in repeated:
+        curve = zip(elevate_degree(movers.curve, 2), more.curve, strict=True)
+        tracks = np.concatenate([movers.tracks, more.tracks])
+        movers = Movers(Motion.MOVE, tuple(map(np.concatenate, curve)), tracks)
+    return movers
 
 
 def sheet(count, width, seed=0):
