@@ -31,10 +31,19 @@ def morton_codes(points: NDArray[np.floating]) -> NDArray[np.uint64]:
 
 
 def morton_order(points: NDArray[np.floating]) -> NDArray[np.intp]:
-    """(N,) indices that sort (N, 3) points by the leading bits of their codes."""
+    """(N,) indices that sort (N, 3) points by the leading bits of their codes.
+
+    Equivalent to a stable ``np.argsort(codes >> bits)``. With the indices in place of the other
+    bits, the codes themselves are sorted, which numpy does ten times as fast.
+    """
+    bits = np.uint64(len(points).bit_length())
     codes = morton_codes(points)
-    codes >>= np.uint64(len(points).bit_length())
-    return np.argsort(codes, kind="stable")
+    codes >>= bits
+    codes <<= bits
+    codes |= np.arange(len(points), dtype=np.uint64)
+    codes.sort()
+    codes &= ~(~np.uint64(0) << bits)
+    return codes.astype(np.intp)
 
 
 def block_shuffle(points: NDArray[np.floating]) -> NDArray[np.intp]:

@@ -196,7 +196,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
             paths = replace(paths, deviation=timing.shift(origin, target))
         if motion is None or not job.is_curved or task.organ == scan.organs[scan.root]:
             return paths
-        deviation = paths.deviation + motion.deviation(origin)
+        deviation = paths.deviation + motion.deviation(start).take(plan.rows, axis=0)
         of_children = child_deviations(task.organ, motion, clouds[1], scan)
         return replace(paths, deviation=deviation, child_deviations=of_children)
 

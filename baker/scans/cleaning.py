@@ -84,6 +84,10 @@ def drop_non_finite(scan: Scan) -> Scan:
 
 def drop_duplicates(scan: Scan) -> Scan:
     """Keep the first of the points that have the same position, whatever their labels."""
+    # Most scans have none: a sum that is equal for duplicates differs among all points.
+    x, y, z = scan.points.T.astype(np.float64)
+    if np.diff(np.sort(x + np.e * y + np.pi * z)).all():
+        return scan
     _, first = np.unique(_row_bytes(scan.points), return_index=True)
     return _keep(scan, np.sort(first), "at exactly the place of another one")
 
