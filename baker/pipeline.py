@@ -188,7 +188,8 @@ def survey_series(
     # Neighbours are found for one scan after another, each in parallel, since scans differ in size.
     clouds, vertical = [frame.positions for frame in frames], Vertical.named(alignment.up)
     neighbors = [nearest_neighbors(cloud, map=map) for cloud in clouds]
-    surfaces = map(normals_and_areas, clouds, neighbors)
+    pairs = zip(clouds, neighbors, strict=True)
+    surfaces = [normals_and_areas(cloud, near, map) for cloud, near in pairs]
     if not options.paper:
         series = replace(series, scans=tuple(map(with_clean_labels, series.scans, neighbors)))
     is_estimated = root is None and not options.paper

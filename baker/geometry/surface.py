@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.neighbors import Neighbors, blocks
+from baker.geometry.parallel import MapLike
 
 # docs/method.md, "Density".
 PLANAR_RATIO = 1.5  # greatest area : spread of a neighbourhood; it is higher on a thin rod
@@ -11,7 +12,7 @@ MAX_AREA_QUANTILE = 0.98  # of the areas of all points, to which larger ones are
 
 
 def normals_and_areas(
-    points: NDArray[np.floating], neighbors: Neighbors
+    points: NDArray[np.floating], neighbors: Neighbors, map: MapLike = map
 ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
     """The `surface_normals` and the `point_area` of points, from the same covariances.
 
@@ -20,6 +21,8 @@ def normals_and_areas(
     points : (N, 3) float
     neighbors : Neighbors
         Of the points.
+    map : map-like callable
+        Maps over blocks of points, in threads.
 
     Returns
     -------
@@ -28,11 +31,13 @@ def normals_and_areas(
     area : (N,) float64
         In squared length units.
     """
-    covariance = covariances(points, neighbors)
-    return surface_normals(covariance, neighbors), point_area(covariance, neighbors)
+    covariance = covariances(points, neighbors, map)
+    return surface_normals(covariance, neighbors, map), point_area(covariance, neighbors)
 
 
-def covariances(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[np.float64]:
+def covariances(
+    points: NDArray[np.floating], neighbors: Neighbors, map: MapLike = map
+) -> NDArray[np.float64]:
     """(6, N) covariance of the positions of each point and its neighbours, in squared units.
 
     The elements are xx, yy, zz, xy, yz and zx. Equivalent, for each point with neighbours j, to
@@ -40,7 +45,8 @@ def covariances(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[n
     """
     covariance = np.empty((6, len(points)))
     columns = np.ascontiguousarray(points.T, np.float64)
-    for part in blocks(len(points)):
+
+    def compute(part: slice) -> None:
         nearest = neighbors.indices[part].T.copy()  # (k, n), contiguous
         count = len(nearest) + 1
         # The point itself counts, too, with the offset 0.
@@ -49,6 +55,8 @@ def covariances(points: NDArray[np.floating], neighbors: Neighbors) -> NDArray[n
         for element, (i, j) in enumerate(((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))):
             products = np.einsum("kn,kn->n", offsets[i], offsets[j])
             covariance[element, part] = (products - sums[i] * sums[j] / count) / count
+
+    list(map(compute, blocks(len(points))))
     return covariance
 
 
@@ -73,7 +81,9 @@ def point_area(covariance: NDArray[np.float64], neighbors: Neighbors) -> NDArray
     return np.minimum(area, np.quantile(area, MAX_AREA_QUANTILE))
 
 
-def surface_normals(covariance: NDArray[np.float64], neighbors: Neighbors) -> NDArray[np.uint8]:
+def surface_normals(
+    covariance: NDArray[np.float64], neighbors: Neighbors, map: MapLike = map
+) -> NDArray[np.uint8]:
     """(N, 2) octahedral codes of normals of planes fitted to the neighbourhood of each point.
 
     The covariance is averaged over the neighbours, which makes the normals as smooth as with three
@@ -92,12 +102,15 @@ def surface_normals(covariance: NDArray[np.float64], neighbors: Neighbors) -> ND
     if k < 3:
         return codes
     rows = np.ascontiguousarray(covariance.T)  # one product of all elements takes half the time
-    for part in blocks(count):
+
+    def compute(part: slice) -> None:
         nearest = neighbors.indices[part]
         begins = np.arange(0, nearest.size + 1, k)
         ones = np.ones(nearest.size)
         adjacency = csr_matrix((ones, nearest.ravel(), begins), (len(nearest), count))
         codes[part] = octahedral(_minor_axes((rows[part] + adjacency @ rows).T))
+
+    list(map(compute, blocks(count)))
     return codes
 
 
