@@ -58,18 +58,6 @@ def connected_knn_graph(points: Points, k: int, neighbors: Neighbors | None = No
     return graph
 
 
-def distinct_labels(labels: NDArray[np.integer]) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
-    """The distinct labels in ascending order, and the rank of each of (N,) labels among them.
-
-    Equivalent to ``np.unique(labels, return_inverse=True)``, in a tenth of the time.
-    """
-    low, high = int(labels.min(initial=0)), int(labels.max(initial=0))
-    if high - low > len(labels):
-        return np.unique(labels.astype(np.int64, copy=False), return_inverse=True)
-    is_used = np.bincount(labels - low) > 0
-    return np.flatnonzero(is_used) + low, (np.cumsum(is_used) - 1)[labels - low]
-
-
 def segment_gaps(
     points: Points, labels: NDArray[np.integer], neighbors: Neighbors | None = None
 ) -> Gaps:
@@ -91,7 +79,7 @@ def segment_gaps(
     from scipy.sparse.csgraph import connected_components
 
     neighbors = neighbors or nearest_neighbors(points)
-    distinct, segment = distinct_labels(labels)
+    distinct, segment = np.unique(labels, return_inverse=True)
     row, column = np.nonzero(segment[neighbors.indices] != segment[:, None])
     ends = segment[np.stack([row, neighbors.indices[row, column]])]
     lengths = neighbors.distances[row, column].astype(np.float64)

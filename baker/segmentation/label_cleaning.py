@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.graph import distinct_labels
 from baker.geometry.neighbors import Neighbors
 from baker.scans.scan import Scan
 
@@ -22,7 +21,7 @@ def clean_labels(labels: NDArray[np.int64], neighbors: Neighbors) -> NDArray[np.
     labels: (N,), returned itself if nothing is changed. Negative labels are missing ones, and are
     replaced where most neighbours have a label.
     """
-    distinct, organ = distinct_labels(labels)
+    distinct, organ = np.unique(labels, return_inverse=True)
     neighbor_organ = organ[neighbors.indices]
     if not neighbor_organ.size:
         return labels

@@ -1,4 +1,4 @@
-"""Compiled recursive bisection of a cloud down to single points, and plans between its blocks."""
+"""Compiled recursive bisection of a cloud down to single points."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,42 +64,3 @@ def _select(values: Floats, order: Ints, begin: int, stop: int, middle: int) -> 
             begin = low
         else:
             return
-
-
-@compiled
-def north_west_corner(
-    supply: Ints, demand: Ints, block: Ints, mass: Ints
-) -> tuple[Ints, Ints, NDArray[np.int64]]:
-    """Distribute the mass of pairs of blocks among their rows and columns, one after the other.
-
-    supply, demand: masses of the rows and columns, which are in the order of their blocks. block,
-    mass: (E,) the block of columns and the mass of each pair, sorted by the block of rows. Returns
-    the rows, columns and masses of the pairs of points.
-    """
-    block_mass = np.zeros(block.max() + 1, np.int64)
-    for pair in range(len(mass)):
-        block_mass[block[pair]] += mass[pair]
-    # The column of each block that is being filled, before the first one, and what it still lacks.
-    column, lacking, first = np.zeros_like(block_mass), np.zeros_like(block_mass), 0
-    for k in range(len(column)):
-        column[k] = first - 1
-        while block_mass[k] > 0:
-            block_mass[k] -= demand[first]
-            first += 1
-    size = len(mass) + len(supply) + len(demand)
-    rows, columns, flow = np.empty((3, size), np.int64)
-    found, row, offered = 0, -1, 0
-    for pair in range(len(mass)):
-        left, k = mass[pair], block[pair]
-        while left > 0:
-            while offered == 0:
-                row += 1
-                offered = supply[row]
-            while lacking[k] == 0:
-                column[k] += 1
-                lacking[k] = demand[column[k]]
-            moved = min(left, offered, lacking[k])
-            rows[found], columns[found], flow[found] = row, column[k], moved
-            left, offered, lacking[k] = left - moved, offered - moved, lacking[k] - moved
-            found += 1
-    return rows[:found], columns[:found], flow[:found]

@@ -12,6 +12,9 @@ B. Schmitzer: A sparse multiscale algorithm for dense optimal transport (2016).
 M. Bonafini, B. Schmitzer: Domain decomposition for entropy regularized optimal transport (2021).
 """
 
+from collections.abc import Sequence
+from itertools import chain
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -85,15 +88,11 @@ def _improve(
         seed = options.seed + MAX_SWEEPS
         neighbors = _neighbors(start, seed), _neighbors(end, seed)
 
-    def solve(begins: Indices) -> tuple[Indices, Indices, Masses]:
-        part = slice(begins[0], begins[-1])
-        pairs, first = (edges[0][part], edges[1][part]), begins - begins[0]
-        how = options.power, exhaustive
-        return improve_cells(start, end, *neighbors, pairs, mass[part], first, *how)
+    def solve(cells: Sequence[tuple[Indices, Indices, Masses]]) -> list[Coupling]:
+        return improve_cells(start, end, neighbors, cells, options.power, exhaustive)
 
     if n + m <= MAX_POINTS_OF_ONE_CELL:
-        rows, columns, mass = solve(np.array([0, len(mass)]))
-        return (rows, columns), mass
+        return solve([(*edges, mass)])[0]
     cost = float(mass @ costs(start, end, edges, options.power))
     for sweep in range(MAX_SWEEPS if is_last else 1):
         size = POINTS_OF_CELL * 2 ** max(0, sweep + 1 - SWEEPS_OF_SMALL_CELLS)
@@ -103,14 +102,15 @@ def _improve(
         if sweep > 0:
             cell[bisection_order(start, options.seed + sweep)[0]] = cell.copy()
         order = np.argsort(cell[edges[0]] * n + edges[0], kind="stable")
-        edges, mass = (edges[0][order], edges[1][order]), mass[order]
-        begins = np.searchsorted(cell[edges[0]], np.arange(cells + 1))
+        stops = np.searchsorted(cell[edges[0][order]], np.arange(1, cells))
+        split = (np.split(values[order], stops) for values in (*edges, mass))
+        plans = list(zip(*split, strict=True))
         step = -(-cells // (1 if options.workers == 1 else PARTS_PER_WORKER * options.workers))
-        batches = [begins[first : first + step + 1] for first in range(0, cells, step)]
+        batches = [plans[first : first + step] for first in range(0, cells, step)]
         with thread_map(options.workers) as map:
-            plans = list(map(solve, batches))
-        rows, columns, mass = (np.hstack(each) for each in zip(*plans, strict=True))
-        edges = rows, columns
+            pairs, flows = zip(*chain.from_iterable(map(solve, batches)), strict=True)
+        edges = np.hstack([rows for rows, _ in pairs]), np.hstack([columns for _, columns in pairs])
+        mass = np.hstack(flows)
         previous, cost = cost, float(mass @ costs(start, end, edges, options.power))
         if cells == 1 or previous - cost <= MIN_GAIN * cost:
             break

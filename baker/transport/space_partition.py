@@ -58,11 +58,23 @@ def refine_plan(supply: Masses, demand: Masses, edges: Edges, mass: Masses) -> t
     supply, demand: (n,) and (m,) masses of the points. edges, mass: (E,) the plan between blocks.
     The returned (F,) pairs are sorted by row, then column.
     """
-    from baker.transport.bisection import north_west_corner
-
     by_row = np.lexsort((edges[1], edges[0]))
-    i, j, flow = north_west_corner(supply, demand, edges[1][by_row], mass[by_row])
-    return (i, j), flow
+    block, mass = edges[1][by_row], mass[by_row]
+    by_column = np.argsort(block, kind="stable")
+    # Cumulative masses: at the ends of rows and columns, and at the starts of the pairs of blocks,
+    # sorted by row (`begin`) and by column (`sorted_begin`).
+    row_ends, column_ends = np.cumsum(supply), np.cumsum(demand)
+    begin, sorted_begin = np.cumsum(mass) - mass, np.cumsum(mass[by_column]) - mass[by_column]
+    shift = np.empty_like(begin)
+    shift[by_column] = sorted_begin - begin[by_column]
+    # A new pair of points starts with each pair of blocks, each row and each column.
+    column_pair = by_column[np.searchsorted(sorted_begin, column_ends[:-1], "right") - 1]
+    begins = np.sort(np.r_[begin, row_ends[:-1], column_ends[:-1] - shift[column_pair]])
+    flow = np.diff(begins, append=row_ends[-1])
+    begins, flow = begins[flow > 0], flow[flow > 0]
+    pair = np.searchsorted(begin, begins, "right") - 1
+    i = np.searchsorted(row_ends, begins, "right")
+    return (i, np.searchsorted(column_ends, begins + shift[pair], "right")), flow
 
 
 def bisection_plan(

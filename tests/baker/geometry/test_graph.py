@@ -12,7 +12,6 @@ from scipy.spatial.distance import cdist
 from baker.geometry.graph import (
     branches,
     connected_knn_graph,
-    distinct_labels,
     geodesic_distances,
     knn_graph,
     segment_gaps,
@@ -135,12 +134,3 @@ def test_every_point_above_its_meeting_point_is_on_a_branch():
     peaks = np.flatnonzero((heights[1:-1] > heights[:-2]) & (heights[1:-1] > heights[2:])) + 1
     assert len(set(numbers[peaks])) == len(peaks)
     assert (numbers[peaks] >= 0).all()
-
-
-@pytest.mark.parametrize("labels", [[3, -1, 3, 7], [], [2**62, -(2**62), 0], [10**6] * 9])
-def test_distinct_labels_are_those_of_numpy(labels: list[int]) -> None:
-    given = np.array(labels, np.int64)
-    for found, expected in zip(
-        distinct_labels(given), np.unique(given, return_inverse=True), strict=True
-    ):
-        np.testing.assert_array_equal(found, expected)

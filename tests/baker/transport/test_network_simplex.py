@@ -19,16 +19,11 @@ def optimum(start, end, supply, demand, power):
     return linprog(cost, A_eq=np.vstack([rows, columns]), b_eq=np.concatenate([supply, demand])).fun
 
 
-def solved(start, end, near, cells, power, exhaustive):
-    """The rows, columns and masses of the plans of all cells, each (rows, columns, masses)."""
-    rows, columns, mass = map(np.concatenate, zip(*cells, strict=True))
-    begins = np.cumsum([0, *(len(cell[2]) for cell in cells)])
-    return improve_cells(start, end, *near, (rows, columns), mass, begins, power, exhaustive)
-
-
 def improved(start, end, edges, mass, power=2):
     alone = tuple(np.arange(len(side))[:, None] for side in (start, end))
-    return solved(start, end, alone, [(*edges, mass)], power, True)
+    cells = [(*edges, mass)]
+    ((pairs, mass),) = improve_cells(start, end, alone, cells, power, exhaustive=True)
+    return *pairs, mass
 
 
 def cost_of(start, end, rows, columns, mass, power=2):
@@ -98,10 +93,11 @@ def test_cells_that_are_solved_together_do_not_know_each_other():
     parts = np.arange(60).reshape(2, 30)
     cells = [(part, np.random.default_rng(1).permutation(part), mass) for part in parts]
     near = tuple(np.random.default_rng(2).integers(60, size=(60, 8)) for _ in range(2))
-    together = solved(start, end, near, cells, 2, False)
-    alone = [solved(start, end, near, [cell], 2, False) for cell in cells]
-    for found, expected in zip(together, zip(*alone, strict=True), strict=True):
-        np.testing.assert_array_equal(found, np.concatenate(expected))
+    together = improve_cells(start, end, near, cells, 2, exhaustive=False)
+    for cell, (pairs, flow) in zip(cells, together, strict=True):
+        ((alone, mass),) = improve_cells(start, end, near, [cell], 2, exhaustive=False)
+        for found, expected in zip((*pairs, flow), (*alone, mass), strict=True):
+            np.testing.assert_array_equal(found, expected)
 
 
 def test_neighbours_partners_lead_near_the_optimum():
@@ -111,7 +107,9 @@ def test_neighbours_partners_lead_near_the_optimum():
     supply, demand = uniform_masses(150, 210)
     edges, mass = bisection_plan(start, end, supply, demand, 0)
     near = tuple(cKDTree(side).query(side, np.arange(2, 8))[1] for side in (start, end))
-    plan = solved(start, end, near, [(*edges, mass)], 2, False)
+    cells = [(*edges, mass)]
+    ((pairs, mass),) = improve_cells(start, end, near, cells, 2, exhaustive=False)
+    plan = *pairs, mass
     assert_sums(plan, supply, demand)
     assert cost_of(start, end, *plan) <= optimum(start, end, supply, demand, 2) * 1.001
 
