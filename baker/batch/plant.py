@@ -16,12 +16,12 @@ from baker.interpolation.provenance import software
 from baker.options import Options, Outputs, parse_corrections
 from baker.pipeline import Progress, bake_with_survey
 from baker.report.page import write_report
-from baker.report.verification import HoldoutError, verify
 from baker.scans import Finding
 from baker.scans.read import digest, list_series
 from corrections import corrections_file
 from gclip.clip import Clip
 from gclip.terminal.command import OUR_FAULT, verdict
+from traits.holdout_error import HoldoutError, verify
 from traits.table import NamedPlant, measure_days, provenance, write_table
 
 

@@ -11,13 +11,13 @@ from typing import Any
 from baker.options import Options
 from baker.pipeline import Survey
 from baker.report.pictures import MAX_DOUBTS_PICTURED, NoPicture, scans_pictured, take_pictures
-from baker.report.verification import HoldoutError, overall
 from baker.verdict.doubt import command_for, group_by_interval, headline, interval_dates
 from gclip import Clip
 from gclip.terminal.atomic import atomic_file
 from gclip.text import printable
 from traits.curves import TraitCurve, curve_names, trait_curves
 from traits.doubts import doubts_of
+from traits.holdout_error import HoldoutError, overall
 
 MAX_TICKS = 5  # number of steps of the axis of growth curves
 MAX_CURVES = 40  # of a chart; more lines can't be distinguished

@@ -119,7 +119,7 @@ def test_a_plant_of_one_point_is_verified_reported_and_measured(tmp_path):
     from baker import Options
     from baker.pipeline import bake_with_survey
     from baker.report.page import write_report
-    from baker.report.verification import verify
+    from traits.holdout_error import verify
     from traits.plants import write_traits
 
     point = Scan("same point", 1)

@@ -6,8 +6,8 @@ from scipy.spatial import cKDTree
 
 from baker import Options
 from baker.pipeline import bake_with_survey
-from baker.report.verification import overall, verify
 from tests.real.series import GROWN, labelled
+from traits.holdout_error import overall, verify
 
 
 @pytest.mark.parametrize("name", labelled("tomato2_control_plant3"))

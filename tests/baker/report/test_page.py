@@ -14,12 +14,12 @@ import pytest
 
 from baker.cli import main
 from baker.report.page import largest_organs, ticks, write_report
-from baker.report.verification import verify
 from baker.verdict.doubt import verdict_provenance
 from gclip import Clip, ClipError
 from gclip.errors import UserError
 from traits.curves import TraitCurve, trait_curves
 from traits.doubts import Doubt
+from traits.holdout_error import verify
 
 SECTIONS = ["verdict", "decisions", "plant", "growth", "verification", "made"]  # in this order
 

@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from baker import InputError, Options
 from baker.alignment.keyframes import held_out_scans
 from baker.pipeline import bake_with_survey
-from baker.report.verification import overall, verify
+from traits.holdout_error import overall, verify
 
 PLAIN = Options(align="none", up="z", paths="straight", workers=1)
 
