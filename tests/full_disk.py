@@ -23,11 +23,11 @@ from pathlib import Path
 from tests.writers import (
     Writer,
     contents,
+    is_whole,
     leftovers,
     make_series,
     run_alone,
     varied,
-    whole,
     writers,
 )
 
@@ -85,7 +85,7 @@ def _fault(
         return f"litter: {', '.join(sorted(litter))}"
     for output in writer.outputs:
         found = contents(disk, output)
-        if found == contents(olds, output) or whole(found, olds, news, output):
+        if found == contents(olds, output) or is_whole(found, olds, news, output):
             continue
         if not varied(writer, output, found):
             return f"{output} is broken"

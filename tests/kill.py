@@ -33,12 +33,12 @@ from tests.writers import (
     Writer,
     contents,
     drafts,
+    is_whole,
     leftovers,
     make_series,
     run_alone,
     start,
     varied,
-    whole,
     writers,
 )
 
@@ -112,7 +112,7 @@ def _looked_at(writer: Writer, folder: Path, olds: Path, news: Path) -> Counter[
         files = contents(folder, output)
         if files == contents(olds, output):
             found["old"] += 1
-        elif whole(files, olds, news, output) or varied(writer, output, files):
+        elif is_whole(files, olds, news, output) or varied(writer, output, files):
             found["new"] += 1
         else:
             found["broken"] += 1

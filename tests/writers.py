@@ -132,7 +132,7 @@ def contents(folder: Path, output: str) -> Files:
     return {str(path.relative_to(folder)): path.read_bytes() for path in whole}
 
 
-def full_ranges(found: Files, olds: Path, news: Path, output: str) -> bool:
+def is_whole(found: Files, olds: Path, news: Path, output: str) -> bool:
     """Whether each file of an output is the old or the new one, and none is missing.
 
     A sequence's are renamed one after the other.

@@ -99,7 +99,7 @@ def test_mean_fields_of_organs_are_plotted(clip: Clip, tmp_path: Path) -> None:
 
 def test_fields_are_colours_with_a_legend(clip: Clip) -> None:
     style = Style(color_by=ColorMode.FIELD, field="ndvi")
-    scale = Colors(clip).color_scale(style)
+    scale = Colors(clip).value_range(style)
     assert scale is not None
     assert scale.title == "ndvi"
     values, ramp = clip.intervals[0].fields[0][:, 1], scale.colors().astype(int)
