@@ -19,9 +19,19 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[
     """Find the files of a series: those of one folder, in natural order, or a list of files.
 
     In a folder, hidden files, sub-folders, files of unknown suffix and texts such as README.txt are
-    ignored; so are meshes and arrays where there are two or more point clouds. Without a file that
-    lists the scans and their times, the names in a folder must show that its files are one series.
-    Raises InputError if a path does not exist or is not a scan, or there are fewer than two scans.
+    ignored; so are meshes and arrays where there are two or more point clouds.
+
+    Parameters
+    ----------
+    inputs : sequence of Path
+    times_file : Path, optional
+        The file that lists the scans and their times. Without it, the names in a folder must show
+        that its files are one series.
+
+    Raises
+    ------
+    InputError
+        If a path does not exist or is not a scan, or there are fewer than two scans.
     """
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")
