@@ -98,9 +98,10 @@ def _improve(
         size = POINTS_OF_CELL * 2 ** max(0, sweep + 1 - SWEEPS_OF_SMALL_CELLS)
         cells = max(1, round((n + m) / size))
         # No mass crosses the border of a cell, so each sweep has different ones.
-        cell = np.arange(n) * cells // n
-        if sweep > 0:
-            cell[bisection_order(start, options.seed + sweep)[0]] = cell.copy()
+        # They have equal numbers of pairs: where rows have much mass, they have many columns.
+        rows = bisection_order(start, options.seed + sweep)[0] if sweep > 0 else np.arange(n)
+        counts, cell = np.bincount(edges[0], minlength=n)[rows], np.empty(n, np.int64)
+        cell[rows] = (np.cumsum(counts) - counts) * cells // len(mass)
         order = np.argsort(cell[edges[0]] * n + edges[0], kind="stable")
         stops = np.searchsorted(cell[edges[0][order]], np.arange(1, cells))
         split = (np.split(values[order], stops) for values in (*edges, mass))
