@@ -13,12 +13,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from tempfile import gettempdir
 
 from numpy.typing import NDArray
 
 from baker.errors import InputError, input_errors
 from baker.scans.child_process import ChildProcess
+from gclip.terminal.atomic import folder_beside
 
 READERS = {
     ".ply": "ply",
@@ -145,8 +146,8 @@ def _unpacked(path: Path) -> Iterator[Path]:
     if path.suffix.lower() != ".gz":
         yield path
         return
-    with TemporaryDirectory(prefix="bake-") as folder:
-        plain = Path(folder, f"scan{suffix_of(path)}")
+    with folder_beside(Path(gettempdir(), "bake")) as folder:
+        plain = folder / f"scan{suffix_of(path)}"
         try:
             with gzip.open(path) as packed, plain.open("wb") as file:
                 while chunk := packed.read(shutil.COPY_BUFSIZE):  # type: ignore[attr-defined]

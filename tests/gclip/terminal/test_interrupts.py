@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import os
 import signal
 import subprocess
@@ -14,7 +15,7 @@ from gclip.terminal.command import run
 
 STOPPED = "bake: stopped; nothing half-written is left behind.\n"
 COMMAND = """
-import os, signal, sys, threading, time
+import os, signal, sys, tempfile, threading, time
 from pathlib import Path
 from gclip.terminal import atomic
 from gclip.terminal.command import run_app
@@ -82,6 +83,20 @@ with atomic.atomic_file(Path("plant.gclip")) as part:
     assert stopped(work, tmp_path) == STOPPED
     assert [path.name for path in tmp_path.iterdir()] == ["plant.gclip"]
     assert (tmp_path / "plant.gclip").read_text() == "old"
+
+
+def test_no_unpacked_scan_is_left(tmp_path: Path) -> None:
+    with gzip.open(tmp_path / "scan.xyz.gz", "wt") as scan:
+        scan.write("0 0 0\n1 1 1\n")
+    (tmp_path / "temporary").mkdir()
+    work = """
+from baker.scans import formats
+formats.require_no_bomb = lambda *_: ctrl_c()
+tempfile.tempdir = "temporary"
+formats.read_columns(Path("scan.xyz.gz"))
+"""
+    assert stopped(work, tmp_path) == STOPPED
+    assert not any((tmp_path / "temporary").iterdir())
 
 
 def test_threads_that_go_on_writing_leave_nothing(tmp_path: Path) -> None:
