@@ -1,10 +1,9 @@
 // One direction of a Gaussian blur of the shadow; the widths of its two channels differ.
 
 in vec2 v_at;
-uniform sampler2D source;
+uniform sampler2D transmittance;
 uniform vec2 direction;  // one texel along the blur's direction
-uniform bool saturate;   // whether to convert summed coverage to the blocked share of light
-out vec2 out_cover;
+out vec2 out_transmittance;
 
 const int TAPS = 17;                 // number of samples, at distances of two texels
 const vec2 SIGMA = vec2(1.3, 6.0);   // standard deviations in texels: contact, ambient
@@ -14,9 +13,8 @@ void main() {
     for (int i = 0; i < TAPS; ++i) {
         float offset = 2.0 * float(i - TAPS / 2) + 0.5;  // reads two texels at once
         vec2 weight = exp(-0.5 * offset * offset / (SIGMA * SIGMA));
-        vec2 cover = texture(source, v_at + offset * direction).rg;
-        sum += weight * (saturate ? 1.0 - exp(-cover) : cover);
+        sum += weight * texture(transmittance, v_at + offset * direction).rg;
         total += weight;
     }
-    out_cover = sum / total;
+    out_transmittance = sum / total;
 }

@@ -7,17 +7,22 @@
 #include "color.glsl"
 
 uniform usampler2D nearest;
-uniform usampler2D picked;
+#if COLOR_FROM_TRACK
 uniform sampler2D palette;
-uniform bool by_track;        // whether the track in a point's code gives the colour
+#else
+uniform usampler2D picked;
+#endif
 
 uint code_at(ivec2 texel) {
     return texelFetch(nearest, clamp(texel, ivec2(0), samples - 1), 0).r;
 }
 
 vec3 color_of(uint code, ivec2 texel) {
-    return by_track ? texelFetch(palette, ivec2(code & 1023u, 0), 0).rgb
-                    : unpacked_rgb(texelFetch(picked, clamp(texel, ivec2(0), samples - 1), 0).r);
+#if COLOR_FROM_TRACK
+    return texelFetch(palette, ivec2(code & 1023u, 0), 0).rgb;
+#else
+    return unpacked_rgb(texelFetch(picked, clamp(texel, ivec2(0), samples - 1), 0).r);
+#endif
 }
 
 // In samples, plus half a sample for the unknown position of a point within its sample.
@@ -28,8 +33,8 @@ float radius_at(float view_depth) {
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     float surface = 1e30;  // depth behind which points are occluded
-    for (int y = -RADIUS_PX; y <= RADIUS_PX; ++y) {
-        for (int x = -RADIUS_PX; x <= RADIUS_PX; ++x) {
+    for (int y = -1; y <= 1; ++y) {  // cores have radii of less than two samples
+        for (int x = -1; x <= 1; ++x) {
             uint code = code_at(texel + ivec2(x, y));
             float depth = depth_of(code), splat = radius_at(depth), core = CORE * splat;
             float behind = depth + THICKNESS * (splat - 0.5) * clip_w(depth) / focal_px;
@@ -37,13 +42,14 @@ void main() {
             surface = hides ? min(surface, behind) : surface;
         }
     }
+    // All splats on the surface are about as large in the picture.
+    float splat = radius_at(min(surface, depth_range.y)), inv_area = 1.0 / (splat * splat);
     vec4 color_sum = vec4(0.0);
     float depth_sum = 0.0;
     for (int y = -RADIUS_PX; y <= RADIUS_PX; ++y) {
         for (int x = -RADIUS_PX; x <= RADIUS_PX; ++x) {
             uint code = code_at(texel + ivec2(x, y));
-            float depth = depth_of(code), splat = radius_at(depth);
-            float falloff = max(1.0 - float(x * x + y * y) / (splat * splat), 0.0);
+            float depth = depth_of(code), falloff = max(1.0 - float(x * x + y * y) * inv_area, 0.0);
             float weight = code == EMPTY || depth > surface ? 0.0 : falloff * falloff;
             color_sum += vec4(color_of(code, texel + ivec2(x, y)), 1.0) * weight;
             depth_sum += relative_depth(depth) * weight;

@@ -54,10 +54,11 @@ vec3 normal_at(ivec2 texel, float depth) {
 // front are other organs and occlude less; otherwise every leaf would have a black outline.
 float occlusion(ivec2 texel, float depth) {
     float sum = 0.0, inv_depth = 1.0 / 0.012;  // inverse of the depth that occludes most
-    vec2 offset = vec2(max(1.2 * float(textureSize(depths, 0).y) / 720.0, 1.0), 0.0);
+    float scale = max(1.2 * float(textureSize(depths, 0).y) / 720.0, 1.0);
+    vec2 offset = vec2(1.0, 0.0);
     for (int ring = 0; ring < RINGS; ++ring) {
         for (int i = 0; i < DIRECTIONS; ++i) {
-            float neighbor = depth_at(texel + ivec2(round(offset)));
+            float neighbor = depth_at(texel + ivec2(round(scale * offset)));
             float front = max((depth - neighbor) * inv_depth, 0.0);
             sum += front / (1.0 + front * front);
             offset = TURN * offset;

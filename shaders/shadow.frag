@@ -1,7 +1,7 @@
-// Writes the coverage of a point for the shadow.
-flat in vec2 v_cover;
-out vec2 out_cover;
+// Writes the share of light that a point blocks; blending multiplies what all points let through.
+flat in vec2 v_blocked;
+out vec2 out_blocked;
 
 void main() {
-    out_cover = v_cover;
+    out_blocked = v_blocked;
 }

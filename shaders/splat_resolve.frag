@@ -18,6 +18,7 @@ void main() {
     vec2 normal = texelFetch(normal_sums, texel, 0).rg / max(color.a, 1e-6);
     float nearest = texelFetch(front, texel, 0).r;
     float depth = (nearest == NOTHING ? 0.0 : nearest) + moment.x;
-    float inside = smoothstep(edge + SOFTNESS, edge - SOFTNESS, length(moment.zw));
+    float offset = length(moment.zw), softness = clamp(0.7 * fwidth(offset), SOFTNESS, 0.15);
+    float inside = smoothstep(edge + softness, edge - softness, offset);
     write_gbuffer(color, depth, moment.y > 0.0 ? normal : vec2(UNKNOWN), inside);
 }

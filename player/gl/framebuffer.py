@@ -16,29 +16,35 @@ NO_DEPTH = 1e4  # relative depth of samples without a point (shaders/depth.glsl)
 class GBuffer:
     """Framebuffers with colour, depth and normal of the nearest surface in each sample.
 
-    Their common depth buffer is 1 on the plant and 0 elsewhere, so that the depth test restricts
-    later passes to the plant.
+    Passes are restricted to tiles of the picture with points. In these the common depth buffer is
+    1 on the plant and 0 elsewhere, so that the depth test restricts later passes to the plant.
 
     size:     (width, height) in samples.
-    surface:  colours (linear light and coverage), relative depths (shaders/depth.glsl), normals.
+    surface:  colours (linear light and coverage), relative depths (shaders/depth.glsl), normals,
+              and light from the plant times coverage and coverage, which is 0 at first.
+    behind:   the same without light.
     filtered: two with depths, of which the first shares the texture of `surface`; each filter pass
               reads one and writes the other.
-    lit:      light from the plant times coverage, and coverage.
+    lit:      the light.
+    tiles:    which tiles contain points (`mark_tiles`).
     """
 
     def __init__(self, context: moderngl.Context, passes: Passes, size: tuple[int, int]) -> None:
         self.passes = passes
         self.size = size
         self._create = partial(framebuffer, context, size)
-        self.surface = self._create(colors=COLOR, depths=SCALAR, normals=VECTOR, with_depth=True)
-        plant, depths = self.surface.depth_attachment, textures_of(self.surface)["depths"]
-        self._mask = context.framebuffer([], plant)
-        self.filtered = [self._create(depths=kind, depth=plant) for kind in (depths, SCALAR)]
-        self.lit = self._create(light=COLOR, depth=plant)
+        kinds: dict[str, Any] = {"colors": COLOR, "depths": SCALAR, "normals": VECTOR}
+        self.surface = self._create(**kinds, light=COLOR, with_depth=True)
+        plant, textures = self.surface.depth_attachment, textures_of(self.surface)
+        self.behind = self._create(**{name: textures[name] for name in kinds}, depth=plant)
+        depths = textures["depths"], SCALAR
+        self.filtered = [self._create(depths=kind, depth=plant) for kind in depths]
+        self.lit = self._create(light=textures["light"], depth=plant)
         for read_only_depth in (*self.filtered, self.lit):
             read_only_depth.depth_mask = False
         across, down = (-(-side // TILE) for side in size)
-        self._tiles = framebuffer(context, (across, down), tiles=(1, "f1"))
+        self._rows = framebuffer(context, (across, size[1]), source=(4, "f1"))
+        self.tiles = framebuffer(context, (across, down), tiles=(4, "f1"))
 
     @cached_property
     def points(self) -> moderngl.Framebuffer:
@@ -58,27 +64,27 @@ class GBuffer:
         sums.depth_mask = False
         return sums
 
-    def mark_tiles(self, name: str, **uniforms: Any) -> None:
-        """Run a fragment shader that marks tiles with points for `run_surface_pass`."""
-        draw_into(self._tiles)
-        self.passes.run(name, **uniforms)
+    def mark_tiles(self, points: moderngl.Texture, radius_px: int = 0) -> None:
+        """Mark tiles with points (sums of splats, or codes) in them or so near in samples."""
+        run = partial(self.passes.run, "tiles", RADIUS_PX=radius_px)
+        draw_into(self._rows)
+        run(source=points, direction=(1, 0), CODES=int(points.dtype == "u4"))
+        draw_into(self.tiles)
+        run(**textures_of(self._rows), direction=(0, 1), CODES=0)
 
-    def run_surface_pass(self, name: str, **uniforms: Any) -> None:
-        """Run a fragment shader that writes `surface` and its depth buffer in marked tiles."""
-        self.surface.viewport = (0, 0, *self.size)
-        draw_into(self.surface, depth="1")
-        self.passes.run(name, **textures_of(self._tiles), **uniforms)
+    def run(self, name: str, target: moderngl.Framebuffer, *state: Any, **values: Any) -> None:
+        """Run a fragment shader in marked tiles of a framebuffer; state: see `draw_into`."""
+        draw_into(target, *state)
+        self.passes.run(name, **textures_of(self.tiles), tile_px=TILE, **values)
 
     def clear(self) -> None:
-        """Clear light, depths and depth buffer; other textures are read on the plant only."""
-        self.lit.clear()
-        self._mask.clear(depth=0.0)
+        """Clear depths, which are read beside the plant, too; other textures are not."""
         for depths in self.filtered:
             depths.clear(NO_DEPTH)
 
 
 def draw_into(
-    target: moderngl.Framebuffer, *, depth: str = "", blend: tuple[int, int] | None = None
+    target: moderngl.Framebuffer, depth: str = "", blend: tuple[int, int] | None = None
 ) -> None:
     """Bind a framebuffer, and set depth test and blending for the draw calls that follow.
 

@@ -68,23 +68,28 @@ class Passes:
         self._context = context
         self._timers = timers
         self._definitions = definitions
-        self._arrays: dict[tuple[str, int], moderngl.VertexArray] = {}
+        self._arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
 
     def run(
-        self, name: str, radius_px: int = 0, tiles: moderngl.Texture | None = None, **uniforms: Any
+        self, name: str, tiles: moderngl.Texture | None = None, tile_px: int = 0, **values: Any
     ) -> None:
         """Run ``<name>.frag`` for every pixel of the current framebuffer.
 
-        radius_px: distance in pixels up to which the shader reads neighbours (macro RADIUS_PX).
-        tiles:     one texel for each tile of the picture; tiles with a 0 are skipped (tile.vert).
+        tiles:   one texel for each tile of the picture; tiles with a 0 are skipped (tile.vert).
+        tile_px: side of a tile in pixels of the framebuffer.
+        values:  uniforms, and macros in upper case.
         """
-        if (name, radius_px) not in self._arrays:
-            vertex = "tile" if tiles else "fullscreen"
-            files, macros = (f"{vertex}.vert", f"{name}.frag"), self._definitions
-            program = compile_program(self._context, *files, RADIUS_PX=radius_px, **macros)
-            self._arrays[name, radius_px] = self._context.vertex_array(program, [])
-        array = self._arrays[name, radius_px]
-        set_uniforms(array.program, **uniforms, occupied=tiles)
-        vertices = 6 * tiles.width * tiles.height if tiles else 3
+        macros = self._definitions | {key: values.pop(key) for key in [*values] if key.isupper()}
+        key = (name, *macros.items())
+        if key not in self._arrays:
+            files = ("tile.vert" if tiles else "fullscreen.vert", f"{name}.frag")
+            program = compile_program(self._context, *files, **macros)
+            self._arrays[key] = self._context.vertex_array(program, [])
+        array = self._arrays[key]
+        set_uniforms(array.program, **values, occupied=tiles, tile_px=tile_px)
+        mode, vertices = moderngl.TRIANGLES, 3
+        if tiles:  # those at the border may extend beyond the framebuffer
+            mode, vertices = moderngl.POINTS, tiles.width * tiles.height
+            self._context.viewport = (0, 0, tile_px * tiles.width, tile_px * tiles.height)
         with nullcontext() if self._timers is None else self._timers.timed(name):
-            array.render(moderngl.TRIANGLES, vertices=vertices)
+            array.render(mode, vertices=vertices)

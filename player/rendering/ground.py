@@ -9,29 +9,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.gl.framebuffer import draw_into, framebuffer, textures_of
+from player.gl.framebuffer import COLOR, VECTOR, draw_into, framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
-from player.view.camera import Camera, axes, sampled_positions
+from player.rendering.splats import SplatParams
+from player.view.camera import axes, sampled_positions
 from player.view.style import GROUNDS, Style
 
 SHADOW_SIZE = 128  # texels along each side of the shadow texture
 CONTACT_HEIGHT = 0.12  # over which contact shadows fade by 1/e, as a share of half the floor's side
 SHADOW_POINTS = 10_000  # points that the shadow is computed from
 MAX_CANDIDATES = 1 << 20  # points of each range from which these are sampled
+BACKGROUND_SIZE = 320, 180  # texels of the background, which has no edges, for pictures of any size
 
 
 class Ground:
-    """The floor under a clip's plant, and a texture with the plant's shadow."""
+    """Draws the background, and the shadow of a clip's plant on the floor."""
 
     def __init__(self, points: PointCloud, passes: Passes) -> None:
         self._points = points
         self._passes = passes
-        # Sums of coverage exceed 1; blocked shares of light do not, and bytes are precise enough.
-        create = partial(framebuffer, points.context, (SHADOW_SIZE, SHADOW_SIZE), linear=True)
-        kinds = ((2, "f2"), (4, "f1"), (4, "f1"))
-        self._shadows = [create(shadow=kind) for kind in kinds]
+        create = partial(framebuffer, points.context, linear=True)
+        side = (SHADOW_SIZE, SHADOW_SIZE)
+        self._shadows = [create(side, transmittance=VECTOR) for _ in range(2)]
+        self._background = create(BACKGROUND_SIZE, background=COLOR)
         self._to_square, self._half_side = floor_square(points.clip)
 
     def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:
@@ -39,8 +41,8 @@ class Ground:
 
         point_area: area of the surface divided by the number of all points, in squared units.
         """
-        draw_into(self._shadows[0], blend=(moderngl.ONE, moderngl.ONE))
-        self._shadows[0].clear()
+        draw_into(self._shadows[0], blend=(moderngl.ZERO, moderngl.ONE_MINUS_SRC_COLOR))
+        self._shadows[0].clear(1.0, 1.0)
         candidates = sum(min(-(-r.count // r.stride), MAX_CANDIDATES) for r in ranges)
         share = min(SHADOW_POINTS / max(candidates, 1), 1.0)
         texel_area = (2.0 * self._half_side / SHADOW_SIZE) ** 2
@@ -54,18 +56,21 @@ class Ground:
             }
             self._points.draw("shadow", [replace(drawn, count=count, stride=stride)], uniforms)
         for i, step in enumerate(((1.0 / SHADOW_SIZE, 0.0), (0.0, 1.0 / SHADOW_SIZE))):
-            draw_into(self._shadows[i + 1])
-            source = textures_of(self._shadows[i])["shadow"]
-            self._passes.run("blur", source=source, direction=step, saturate=i == 0)
+            draw_into(self._shadows[1 - i])
+            self._passes.run("blur", **textures_of(self._shadows[i]), direction=step)
 
-    def uniforms(self, camera: Camera, style: Style) -> dict[str, Any]:
-        """The uniforms of ground.glsl."""
-        return {
-            "to_floor": self._to_square @ np.linalg.inv(camera.view()),
-            "floor_share": float(style.show_ground),
+    def draw(self, splats: SplatParams, style: Style) -> dict[str, Any]:
+        """Draw the background, and return its texture by the name of its uniform."""
+        draw_into(self._background)
+        self._passes.run(
+            "ground",
+            to_floor=self._to_square @ np.linalg.inv(splats.camera.view()),
+            floor_share=float(style.show_ground),
+            **splats.uniforms,
             **vars(GROUNDS[style.ground]),
-            **textures_of(self._shadows[-1]),
-        }
+            **textures_of(self._shadows[0]),
+        )
+        return textures_of(self._background)
 
 
 def floor_square(clip: Clip) -> tuple[NDArray[np.float64], float]:

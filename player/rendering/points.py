@@ -50,16 +50,17 @@ class PointRaster:
             self.rasterise(gbuffer, ranges, splats)
         radius_px = 1 if splats.typical_radius_px <= 1.5 else 2
         points = textures_of(gbuffer.points)
-        gbuffer.mark_tiles("point_tiles", radius_px=radius_px, **points)
-        uniforms = splats.uniforms() | points
-        uniforms |= {"palette": self._points.palette, "by_track": self._points.color_from_track}
-        gbuffer.run_surface_pass("fill_holes", radius_px=radius_px, **uniforms)
+        gbuffer.mark_tiles(points["nearest"], radius_px)
+        uniforms = splats.uniforms | points | {"palette": self._points.palette}
+        macros = {"RADIUS_PX": radius_px, "COLOR_FROM_TRACK": int(self._points.color_from_track)}
+        gbuffer.run("fill_holes", gbuffer.surface, "1", **macros, **uniforms)
 
     def rasterise(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Find the nearest point in each sample, by one pass over all points."""
-        uniforms = splats.uniforms()
-        clear_integers(gbuffer.passes, gbuffer.points)
-        if self.backend is RasterBackend.POINTS:
+        uniforms = splats.uniforms
+        by_points = self.backend is RasterBackend.POINTS
+        clear_integers(gbuffer.passes, gbuffer.points, depth="<" if by_points else "")
+        if by_points:
             self._points.draw("points", ranges, uniforms)
             return
         nearest, picked = textures_of(gbuffer.points).values()
@@ -70,8 +71,8 @@ class PointRaster:
             self._points.compute("points", ranges, uniforms, PICK=1)
 
 
-def clear_integers(passes: Passes, target: moderngl.Framebuffer) -> None:
-    """Clear a framebuffer of unsigned integers (clear_points.frag), and bind it for drawing."""
-    draw_into(target, depth="1")
+def clear_integers(passes: Passes, target: moderngl.Framebuffer, depth: str = "<") -> None:
+    """Clear a framebuffer of unsigned integers and bind it for drawing with a depth function."""
+    draw_into(target, depth=depth and "1")
     passes.run("clear_points")
-    draw_into(target, depth="<")
+    draw_into(target, depth=depth)

@@ -38,7 +38,7 @@ NO_TRACK = 0xFFFFFFFF  # value of pixels without a point (clear_points.frag)
 class Renderer:
     """Draws one clip in one context.
 
-    supersample: samples along each side of a pixel.
+    supersample: samples along each side of a pixel where splats have no soft outlines of their own.
     backend:     draws small splats; by default compute shaders, if the context supports them.
     memory:      bytes of GPU memory for points; by default a share of what the driver reports.
     gpu_seconds: GPU time of the last picture but one, which is complete once the last one is drawn.
@@ -59,7 +59,7 @@ class Renderer:
         self.gpu_seconds = 0.0
         self._points = PointCloud(context, clip, memory)
         self.timers = self._points.timers
-        self._passes = Passes(context, self.timers, SUPERSAMPLE=supersample, TILE=TILE)
+        self._passes = Passes(context, self.timers, TILE=TILE)
         self._raster = PointRaster(self._points, backend)
         self._ground = Ground(self._points, self._passes)
         self._closing = ClosingDistances(clip)
@@ -81,51 +81,48 @@ class Renderer:
     ) -> bool:
         """Draw the plant on a day, and leave the framebuffer bound.
 
-        Parameters
-        ----------
-        target : moderngl.Framebuffer
-        day : float
-            In the clip's unit of time.
-        camera : Camera
-        style : Style
-        size : tuple of int
-            (width, height) of the framebuffer in pixels.
-        stride : int
-            Draw every n-th point only, with larger splats.
-        upload_budget : float, optional
-            Seconds for uploading points, unlimited by default. Points that are not on the GPU by
-            then are not drawn.
-        transparent : bool
-            Draw no background; alpha is unassociated.
+        day:           in the clip's unit of time.
+        size:          (width, height) of the framebuffer in pixels.
+        stride:        draw every n-th point only, with larger splats.
+        upload_budget: seconds for uploading points, unlimited by default. Points that are not on
+                       the GPU by then are not drawn.
+        transparent:   draw no background; alpha is unassociated.
 
-        Returns
-        -------
-        bool
-            Whether all points were drawn.
+        Returns whether all points were drawn.
         """
         self.context.gc()
         self.gpu_seconds = self.timers.finish_frame()
-        samples = (size[0] * self.supersample, size[1] * self.supersample)
-        gbuffer, points = self._gbuffer_of(samples), self._points
-        ranges, splats = self._prepare(day, camera, style, samples, stride, upload_budget)
-        if style.show_ground and not transparent:
-            self._ground.cast_shadow(ranges, self._closing.point_area(day))
+        ranges, splats = self._prepare(day, camera, style, size, stride, upload_budget)
+        side = self.supersample if splats.typical_radius_px <= MAX_RADIUS_PX else 1
+        diameters = (side * MIN_POINT_PX, self._max_point_px)
+        splats = replace(splats, samples=(side * size[0], side * size[1]), point_px_range=diameters)
+        gbuffer, points = self._gbuffer_of(splats.samples), self._points
         gbuffer.clear()
         are_points = splats.typical_radius_px <= MAX_RADIUS_PX
         if are_points:
             self._raster.draw(gbuffer, ranges, splats)
         else:
             draw_splats(points, gbuffer, ranges, splats)
-        smooth_depths(gbuffer, splats)
+        has_normals = not are_points and splats.edge < 1.0
+        if not has_normals:
+            smooth_depths(gbuffer, splats)
         shade(gbuffer, splats, style)
-        if not are_points and splats.edge < 1.0:
+        if has_normals:
             draw_behind(points, gbuffer, ranges, splats)
             shade(gbuffer, splats, style)
+        if style.show_ground and not transparent:
+            self._ground.cast_shadow(ranges, self._closing.point_area(day))
+        background = self._ground.draw(splats, style)
         target.viewport = (0, 0, *size)
         draw_into(target)
-        uniforms = splats.uniforms() | self._ground.uniforms(camera, style)
-        light = textures_of(gbuffer.lit)
-        self._passes.run("picture", **uniforms, **light, transparent=transparent)
+        if transparent:
+            target.clear()
+        else:
+            self._passes.run("blit", picture=background["background"])
+        uniforms = textures_of(gbuffer.lit) | textures_of(gbuffer.tiles) | background
+        uniforms |= {"tile_px": TILE // side, "SUPERSAMPLE": side}
+        self._passes.run("picture", **uniforms, transparent=transparent)
+        target.viewport = (0, 0, *size)
         if upload_budget is not None:
             self._closing.measure_ahead()
         return stride == 1 and not any(drawn.missing for drawn in ranges)
@@ -155,7 +152,7 @@ class Renderer:
         clear_integers(self._passes, target)
         x, y = int(position[0]), height - 1 - int(position[1])
         target.viewport = PICK_RADIUS - x, PICK_RADIUS - y, width, height
-        self._points.draw("splat_pick", standing, splats.uniforms())
+        self._points.draw("splat_pick", standing, splats.uniforms)
         pixels = textures_of(target)["tracks"].read()
         tracks = np.frombuffer(pixels, np.uint32).reshape(side, side)
         rows, columns = np.nonzero(tracks != NO_TRACK)
@@ -179,7 +176,7 @@ class Renderer:
         day: float,
         camera: Camera,
         style: Style,
-        samples: tuple[int, int],
+        size: tuple[int, int],
         stride: int,
         upload_budget: float | None,
     ) -> tuple[list[DrawRange], SplatParams]:
@@ -193,8 +190,8 @@ class Renderer:
             ranges = self._points.buffers.load(ranges, upload_budget)
         relative_radius, edge = splat_shape(self.clip)
         radius = relative_radius * style.point_size * self._closing.at(day) * math.sqrt(stride)
-        sizes = (MIN_POINT_PX * self.supersample, self._max_point_px)
-        splats = SplatParams(camera, samples, radius, sizes, self._scene_radius, edge)
+        diameters = (MIN_POINT_PX, self._max_point_px)
+        splats = SplatParams(camera, size, radius, diameters, self._scene_radius, edge)
         missing = sum(drawn.missing for drawn in ranges)
         if missing:
             # Points are missing in blocks of neighbours. Larger splats fill these gaps, up to the

@@ -2,7 +2,7 @@
 
 import moderngl
 
-from player.gl.framebuffer import GBuffer, draw_into, textures_of
+from player.gl.framebuffer import GBuffer, textures_of
 from player.rendering.splats import SplatParams
 from player.view.camera import axes
 from player.view.style import GROUNDS, Style
@@ -13,9 +13,8 @@ DEPTH_CUE = 0.45  # share of fog in the colour of the farthest parts
 def smooth_depths(gbuffer: GBuffer, splats: SplatParams) -> None:
     """Remove the scanner's noise from depths by a separable bilateral filter."""
     for source, direction in enumerate(((1, 0), (0, 1))):
-        draw_into(gbuffer.filtered[1 - source], depth="<")
-        uniforms = splats.uniforms() | textures_of(gbuffer.filtered[source])
-        gbuffer.passes.run("bilateral", **uniforms, direction=direction)
+        uniforms = splats.uniforms | textures_of(gbuffer.filtered[source])
+        gbuffer.run("bilateral", gbuffer.filtered[1 - source], "<", **uniforms, direction=direction)
 
 
 def shade(gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
@@ -23,11 +22,13 @@ def shade(gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
 
     Normals are those of the clip, or derived from depths if it has none.
     """
-    draw_into(gbuffer.lit, depth="<", blend=(moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE))
     camera = splats.camera
-    gbuffer.passes.run(
+    gbuffer.run(
         "shade",
-        **splats.uniforms(),
+        gbuffer.lit,
+        "<",
+        (moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE),
+        **splats.uniforms,
         **textures_of(gbuffer.surface),
         **vars(GROUNDS[style.ground]),
         eye_dome=style.eye_dome,

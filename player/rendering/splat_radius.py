@@ -98,9 +98,7 @@ def closing_distance(points: NDArray[np.floating]) -> float:
     tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
     offsets = points[tree.query(centers, k=count + 1)[1]] - centers[:, None]
     _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", offsets, offsets))
-    plane = np.einsum(
-        "nki,nij->nkj", offsets, axes[:, :, 1:]
-    )  # without the direction of the normal
+    plane = np.einsum("nki,nij->nkj", offsets, axes[:, :, 1:])  # without the normal
     corners = plane[np.arange(len(plane))[:, None], random.integers(0, count + 1, (len(plane), 3))]
     positions = np.einsum("nc,ncj->nj", random.dirichlet((1, 1, 1), len(plane)), corners)
     distances = np.linalg.norm(plane - positions[:, None], axis=2).min(axis=1)

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import moderngl
@@ -29,7 +30,7 @@ class SplatParams:
     #: splats themselves limit the surface.
     edge: float
 
-    @property
+    @cached_property
     def projection(self) -> Any:
         """(4, 4) projection matrix of the camera."""
         return self.camera.projection(self.samples[0] / self.samples[1])
@@ -49,6 +50,7 @@ class SplatParams:
         radius_px = self.radius * self.px_per_unit(self.camera.eye_distance)
         return max(radius_px, self.point_px_range[0] / 2)
 
+    @cached_property
     def uniforms(self) -> dict[str, Any]:
         """Uniforms that the passes over points and over the picture have in common."""
         projection = self.projection
@@ -87,8 +89,8 @@ def draw_splats(
     gbuffer.sums.clear(viewport=picture)
     points.draw("splat_sum", ranges, uniforms | {"lift": 1.0})
     summed = textures_of(gbuffer.sums)
-    gbuffer.mark_tiles("splat_tiles", **summed)
-    gbuffer.run_surface_pass("splat_resolve", **uniforms, **summed)
+    gbuffer.mark_tiles(summed["color_sums"])
+    gbuffer.run("splat_resolve", gbuffer.surface, "1", **uniforms, **summed)
 
 
 def draw_behind(
@@ -96,9 +98,9 @@ def draw_behind(
 ) -> None:
     """Replace the G-buffer by the surface that is visible beyond the edges of the nearest one."""
     uniforms = _with_margin(points, gbuffer, splats)
-    gbuffer.run_surface_pass("splat_covered", **uniforms, **textures_of(gbuffer.lit))
-    gbuffer.surface.viewport = gbuffer.front.viewport
-    draw_into(gbuffer.surface, depth="<")
+    gbuffer.run("splat_covered", gbuffer.behind, "1", **uniforms, **textures_of(gbuffer.lit))
+    gbuffer.behind.viewport = gbuffer.front.viewport
+    draw_into(gbuffer.behind, depth="<")
     points.draw("splat_behind", ranges, uniforms)
 
 
@@ -115,4 +117,4 @@ def _with_margin(points: PointCloud, gbuffer: GBuffer, splats: SplatParams) -> d
     gbuffer.front.viewport = gbuffer.sums.viewport = (-margin, -margin, wide, tall)
     scale = np.diag([width / wide, height / tall, 1.0, 1.0])
     front = textures_of(gbuffer.front)
-    return splats.uniforms() | front | {"projection": scale @ splats.projection}
+    return splats.uniforms | front | {"projection": scale @ splats.projection}

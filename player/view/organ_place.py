@@ -19,23 +19,12 @@ def organ_place(
     day: float,
     click: tuple[Camera, float, tuple[float, float]] | None = None,
 ) -> Place | None:
-    """A point of an organ, in the coordinates of a scan's file.
+    """A point of an organ in the coordinates of a scan's file; None if no scan beside a day has it.
 
-    Parameters
-    ----------
-    clip : gclip.Clip
-    track : int
-        Index of the organ in ``clip.track_table``.
-    day : float
-        Selects the scan nearest in time, or the next nearest one if the organ is not in it.
-    click : tuple, optional
-        Camera, width of the picture divided by its height, and the position clicked: right and up
-        from the centre, from -1 to 1. By default the organ's most central point is chosen.
-
-    Returns
-    -------
-    Place or None
-        None if neither scan contains the organ.
+    track: index of the organ in ``clip.track_table``.
+    day:   selects the scan nearest in time, or the next nearest one if the organ is not in it.
+    click: camera, width of the picture divided by its height, and the position clicked: right and
+           up from the centre, from -1 to 1. By default the organ's most central point is chosen.
     """
     for scan in sorted(clip.scans, key=lambda scan: abs(scan.time - day))[:2]:
         frame = clip.at(scan.time)

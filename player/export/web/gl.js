@@ -80,15 +80,17 @@ class Graphics {
     }
 
     // Run a fragment shader over all pixels of a target.
-    run(target, fragment, uniforms, definitions) {
+    run(target, fragment, uniforms, definitions = { SUPERSAMPLE: 1 }) {
         this.bind(target);
         this.use(this.program("fullscreen", fragment, definitions), uniforms);
         this.gl.drawArrays(this.gl.TRIANGLES, 0, 3);
     }
 
-    bind({ framebuffer, width, height }) {
+    // Draw into a target from now on, after filling its textures with a colour, if one is given.
+    bind({ framebuffer, width, height, textures }, ...color) {
         this.gl.bindFramebuffer(this.gl.FRAMEBUFFER, framebuffer);
         this.gl.viewport(0, 0, width, height);
+        if (color.length) textures.forEach((_, i) => this.gl.clearBufferfv(this.gl.COLOR, i, color));
     }
 
     // Create a framebuffer with textures of some formats, and a new or an existing depth buffer.

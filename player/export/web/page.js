@@ -95,9 +95,9 @@ function start(about, shaders) {
         const [width, height] = [canvas.clientWidth, canvas.clientHeight].map(
             (length) => Math.max(Math.round(length * scale), 1));
         if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-        const samples = atRest && state.level === 0 && width * height < MAX_SUPERSAMPLED ? 2 : 1;
+        const supersample = atRest && state.level === 0 && width * height < MAX_SUPERSAMPLED ? 2 : 1;
         const stride = Math.min(2 ** level, renderer.maxStride(clock.day, MIN_POINTS));
-        renderer.draw(clock.day, camera, look, { stride, samples });
+        renderer.draw(clock.day, camera, look, { stride, supersample });
         state.dirty = false;
     }
 

@@ -18,7 +18,8 @@ from gclip.evaluate import newborn, srgb_to_linear
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.export.web.encode import pack
-from player.rendering.ground import CONTACT_HEIGHT, SHADOW_POINTS, SHADOW_SIZE, floor_square
+from player.rendering import ground
+from player.rendering.points import MAX_RADIUS_PX
 from player.rendering.renderer import MIN_POINT_PX, scene_radius, splat_shape
 from player.rendering.shading import DEPTH_CUE
 from player.rendering.splat_radius import ClosingDistances
@@ -33,7 +34,7 @@ SHADERS = (
     *("splat.vert", "splat_depth.frag", "splat_sum.frag", "splat_behind.frag"),
     *("shadow.vert", "shadow.frag", "fullscreen.vert", "splat_resolve.frag"),
     "splat_covered.frag",
-    *("bilateral.frag", "shade.frag", "blur.frag", "picture.frag"),
+    *("bilateral.frag", "shade.frag", "blur.frag", "ground.frag", "picture.frag"),
 )
 DATE_STEPS = 1000  # times of the series for which the displayed date is computed
 MIN_DATE_DISTANCE = 8.0  # between scans whose dates fit side by side, in % of the timeline
@@ -109,7 +110,7 @@ def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
 def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, Any]:
     """Data of the page besides the points, which become properties of `Clip` in web/clip.js."""
     closing = ClosingDistances(clip)
-    to_square, half_side = floor_square(clip)
+    to_square, half_side = ground.floor_square(clip)
     radius, edge = splat_shape(clip)
     home = Camera.home(clip, film.aspect)
     return {
@@ -121,7 +122,7 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
         "newborn": [[*newborn(clip, k).items()] for k in range(len(clip.intervals))],
         "intervals": layouts,
         "coverage": [closing.at(time) for time in clip.times],
-        "splat": {"radii": radius, "smallest": MIN_POINT_PX},
+        "splat": {"radii": radius, "smallest": MIN_POINT_PX, "small": MAX_RADIUS_PX},
         "uniforms": {
             "edge": edge,
             "lift": 0.0,
@@ -133,12 +134,13 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
             "transparent": False,
         },
         "shadow": {
-            "side": SHADOW_SIZE,
-            "points": SHADOW_POINTS,
-            "contact_height": CONTACT_HEIGHT * half_side,
-            "texel": 2 * half_side / SHADOW_SIZE,
+            "side": ground.SHADOW_SIZE,
+            "points": ground.SHADOW_POINTS,
+            "contact_height": ground.CONTACT_HEIGHT * half_side,
+            "texel": 2 * half_side / ground.SHADOW_SIZE,
             "toSquare": to_square.T.ravel().tolist(),
         },
+        "groundSize": ground.BACKGROUND_SIZE,
         "home": asdict(home) | {"aspect": _narrowest(clip, home)},
         "plotted": curve_names(clip),
         "curves": _curves(clip),

@@ -14,12 +14,12 @@ class Renderer {
         Object.assign(this, { graphics, gl, clip, canvas, targets: null, cachedPalette: {} });
         this.intervals = new Map();  // on the GPU, least recently used first
         this.shadows = [0, 1].map(() => graphics.target(side, side, [gl.RG16F], { linear: true }));
+        this.ground = graphics.target(...clip.groundSize, [gl.RGBA16F], { linear: true });
         [, this.maxPointPx] = gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE);
         clip.intervals.forEach((interval) => this.programs(interval));
-        for (const name of ["splat_resolve", "bilateral", "shade", "blur"]) {
-            graphics.program("fullscreen", name);
+        for (const name of ["splat_resolve", "bilateral", "shade", "blur", "ground", "picture"]) {
+            graphics.program("fullscreen", name, { SUPERSAMPLE: 1 });
         }
-        graphics.program("fullscreen", "picture", { SUPERSAMPLE: 1 });
     }
 
     // Whether an interval's points are on the GPU; if not, loading them is started.
@@ -75,17 +75,18 @@ class Renderer {
     }
 
     // look: { light, byTrack, selected, pointSize }; stride: every n-th point is drawn, with larger
-    // splats; samples: along each side of a pixel.
-    draw(day, camera, look, { stride = 1, samples = 1 } = {}) {
+    // splats; supersample: samples along each side of a pixel where splats are small.
+    draw(day, camera, look, { stride = 1, supersample = 1 } = {}) {
         const { graphics, clip, gl } = this, { width, height } = this.canvas;
         const layers = clip.layersAt(day).filter(({ interval }) => this.intervals.get(interval)?.columns);
         const slope = Math.tan(camera.field_of_view / 2), pose = camera.pose(), view = pose.inverse();
         const { x, y, z } = view.transformPoint(new DOMPoint(...camera.axes[2], 0));
+        const distance = clip.interpolate(clip.coverage, day), pixel = (2 * slope * camera.distance) / height;
+        const radius = clip.splat.radii * look.pointSize * Math.sqrt(stride) * distance;
+        const samples = radius > clip.splat.small * pixel ? 1 : supersample;
         const values = {
-            ...clip.uniforms, ...clip.grounds[look.light ? "light" : "dark"],
+            radius, ...clip.uniforms, ...clip.grounds[look.light ? "light" : "dark"],
             view: view.toFloat32Array(), projection: camera.projection(width / height),
-            radius: clip.splat.radii * look.pointSize * Math.sqrt(stride)
-                * clip.interpolate(clip.coverage, day),
             focal_px: (samples * height) / (2 * slope),
             point_px_range: [samples * clip.splat.smallest, this.maxPointPx],
             target_depth: camera.distance,
@@ -96,20 +97,16 @@ class Renderer {
         };
         const targets = this.targetsOf(samples * width, samples * height);
         const { nearest, sums, surface, filtered, lit } = targets;
-        const pass = (target, name, uniforms, macros) =>
-            graphics.run(target, name, { ...values, ...uniforms }, macros);
-        const clear = (target, ...color) => {
-            graphics.bind(target);
-            target.textures.forEach((_, i) => gl.clearBufferfv(gl.COLOR, i, color));
-        };
+        const pass = (target, name, uniforms) =>
+            graphics.run(target, name, { ...values, ...uniforms }, { SUPERSAMPLE: samples });
         const [front] = nearest.textures, [colors, depths, normals] = surface.textures;
         gl.depthMask(true);
         gl.enable(gl.DEPTH_TEST);
-        clear(nearest, NOTHING, 0, 0, 0);
+        graphics.bind(nearest, NOTHING, 0, 0, 0);
         gl.clear(gl.DEPTH_BUFFER_BIT);
         this.drawPoints("depth", layers, values, stride);
         gl.depthMask(false);
-        clear(sums, 0, 0, 0, 0);
+        graphics.bind(sums, 0, 0, 0, 0);
         gl.enable(gl.BLEND);
         gl.blendFunc(gl.ONE, gl.ONE);
         this.drawPoints("sum", layers, { ...values, lift: 1, front }, stride);
@@ -117,10 +114,12 @@ class Renderer {
         this.castShadow(day, layers, values.palette);
         const [color_sums, moment_sums, normal_sums] = sums.textures, [light] = lit.textures;
         pass(surface, "splat_resolve", { front, color_sums, moment_sums, normal_sums });
-        pass(filtered[0], "bilateral", { depths, direction: [1, 0] });
-        pass(filtered[1], "bilateral", { depths: filtered[0].textures[0], direction: [0, 1] });
-        pass(lit, "shade", { colors, depths: filtered[1].textures[0], normals });
-        if (values.edge <= 1) {
+        if (values.edge > 1) {
+            pass(filtered[0], "bilateral", { depths, direction: [1, 0] });
+            pass(filtered[1], "bilateral", { depths: filtered[0].textures[0], direction: [0, 1] });
+            pass(lit, "shade", { colors, depths: filtered[1].textures[0], normals });
+        } else {
+            pass(lit, "shade", { colors, depths, normals });
             gl.enable(gl.DEPTH_TEST);
             gl.depthMask(true);
             gl.depthFunc(gl.ALWAYS);
@@ -134,8 +133,9 @@ class Renderer {
             gl.disable(gl.BLEND);
             gl.disable(gl.DEPTH_TEST);
         }
-        const [shadow] = this.shadows[0].textures, screen = { framebuffer: null, width, height };
-        pass(screen, "picture", { light, shadow }, { SUPERSAMPLE: samples });
+        pass(this.ground, "ground", { transmittance: this.shadows[0].textures[0] });
+        const screen = { framebuffer: null, width, height }, [background] = this.ground.textures;
+        pass(screen, "picture", { light, background });
     }
 
     castShadow(day, layers, palette) {
@@ -143,16 +143,14 @@ class Renderer {
         const { side, points, contact_height, texel, toSquare } = clip.shadow;
         const stride = this.maxStride(day, points), { count } = clip.intervals[clip.locate(day)[0]];
         const area = 4 * clip.interpolate(clip.coverage, day) ** 2 * clip.interpolate(clip.points, day);
-        graphics.bind(first);
-        gl.clearBufferfv(gl.COLOR, 0, [0, 0, 0, 0]);
+        graphics.bind(first, 1, 1, 1, 1);
+        gl.blendFunc(gl.ZERO, gl.ONE_MINUS_SRC_COLOR);
         this.drawPoints("shadow", layers, {
             from_above: toSquare, contact_height, palette, cover: (stride * area) / count / texel ** 2,
         }, stride);
         gl.disable(gl.BLEND);
-        const blur = (target, source, direction, saturate) =>
-            graphics.run(target, "blur", { source: source.textures[0], direction, saturate });
-        blur(second, first, [1 / side, 0], true);
-        blur(first, second, [0, 1 / side], false);
+        graphics.run(second, "blur", { transmittance: first.textures[0], direction: [1 / side, 0] });
+        graphics.run(first, "blur", { transmittance: second.textures[0], direction: [0, 1 / side] });
     }
 
     drawPoints(pass, layers, values, stride) {
