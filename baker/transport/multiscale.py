@@ -3,8 +3,8 @@
 Both clouds are divided into blocks, level by level. The plan between the blocks of one level is
 refined to a feasible, nearly optimal plan of the next level, and improved there; on the last level
 the blocks are the points. Large levels are divided into cells, each of which is solved exactly by
-the network simplex, in several sweeps with different cells. Time and memory are linear in the
-number of points.
+the network simplex, in several sweeps with different and ever larger cells. Time and memory are
+linear in the number of points.
 
 References
 ----------
@@ -13,6 +13,7 @@ M. Bonafini, B. Schmitzer: Domain decomposition for entropy regularized optimal 
 """
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import chain
 
 import numpy as np
@@ -23,16 +24,16 @@ from baker.transport.problem import Edges, Indices, Masses, TransportOptions, co
 from baker.transport.space_partition import bisection_order, blocks, refine_plan
 
 BLOCKS_OF_COARSEST_LEVEL = 64  # of either cloud
-BLOCKS_IN_A_BLOCK = 4  # number of blocks of the next level in a block
+BLOCKS_IN_A_BLOCK = 2  # number of blocks of the next level in a block
+MIN_RATIO = 1.4  # of the number of points to that of the blocks of the level before
 STEPS = (-3, -1, 1, 3)  # in the orders of two bisections, from a point to its neighbours
-POINTS_OF_CELL = 400  # of both clouds together
+POINTS_OF_CELL = 400  # of both clouds together, in the first sweep
 MAX_POINTS_OF_ONE_CELL = 3_000  # of both clouds; a smaller level is one cell
 MAX_POINTS_PRICED_AT_ONCE = 100  # of the smaller cloud; without neighbours, all pairs are priced
 MAX_PAIRS_PRICED = 1_500_000  # on the last level; if there are fewer, all pairs are priced
-SWEEPS_OF_SMALL_CELLS = 2  # in later sweeps, the size of cells doubles
-MAX_SWEEPS = 6  # the time for a point increases with the size of its cell
+MAX_SWEEPS = 6  # each has cells of twice the size; the time for a point increases with it
 PARTS_PER_WORKER = 4  # into which the cells of a sweep are divided
-MIN_GAIN = 3e-3  # share of the cost; if a sweep gains less, it is the last one
+MIN_GAIN = 5e-3  # share of the cost; if a sweep gains less, it is the last one
 
 Floats = NDArray[np.float64]
 Coupling = tuple[Edges, Masses]
@@ -65,7 +66,7 @@ def multiscale_plan(
 def _levels(points: Floats, masses: Masses) -> list[tuple[Floats, Masses]]:
     """The centroids and masses of the blocks of each level, at last the points themselves."""
     count, levels = BLOCKS_OF_COARSEST_LEVEL, []
-    while 3 * count <= len(points):
+    while MIN_RATIO * count <= len(points):
         levels.append(blocks(points, masses, count))
         count *= BLOCKS_IN_A_BLOCK
     return [*levels, (points, masses)]
@@ -74,19 +75,20 @@ def _levels(points: Floats, masses: Masses) -> list[tuple[Floats, Masses]]:
 def _improve(
     start: Floats, end: Floats, edges: Edges, mass: Masses, options: TransportOptions, is_last: bool
 ) -> Coupling:
-    """Improve a feasible plan in one sweep, or on the last level in several.
-
-    The points are in the order of their bisection.
-    """
+    """Improve a feasible plan in sweeps; the points are in the order of their bisection."""
     from baker.transport.network_simplex import improve_cells
 
     n, m = len(start), len(end)
     is_small = min(n, m) <= MAX_POINTS_PRICED_AT_ONCE
     exhaustive = is_small or (is_last and n * m <= MAX_PAIRS_PRICED)
     neighbors: tuple[Indices, Indices] = np.empty((n, 0), np.int64), np.empty((m, 0), np.int64)
+    orders = [np.arange(n)]
     if not is_small:
-        seed = options.seed + MAX_SWEEPS
-        neighbors = _neighbors(start, seed), _neighbors(end, seed)
+        with thread_map(options.workers) as map:
+            by_seed = partial(bisection_order, seed=options.seed + 1)
+            (rows, _), (columns, _) = map(by_seed, (start, end))
+        neighbors = _neighbors(rows), _neighbors(columns)
+        orders.append(rows)
 
     def solve(cells: Sequence[tuple[Indices, Indices, Masses]]) -> list[Coupling]:
         return improve_cells(start, end, neighbors, cells, options.power, exhaustive)
@@ -94,12 +96,12 @@ def _improve(
     if n + m <= MAX_POINTS_OF_ONE_CELL:
         return solve([(*edges, mass)])[0]
     cost = float(mass @ costs(start, end, edges, options.power))
-    for sweep in range(MAX_SWEEPS if is_last else 1):
-        size = POINTS_OF_CELL * 2 ** max(0, sweep + 1 - SWEEPS_OF_SMALL_CELLS)
-        cells = max(1, round((n + m) / size))
+    for sweep in range(MAX_SWEEPS):
+        cells = max(1, round((n + m) / (POINTS_OF_CELL * 2**sweep)))
         # No mass crosses the border of a cell, so each sweep has different ones.
         # They have equal numbers of pairs: where rows have much mass, they have many columns.
-        rows = bisection_order(start, options.seed + sweep)[0] if sweep > 0 else np.arange(n)
+        new_seed = options.seed + sweep
+        rows = orders[sweep] if sweep < len(orders) else bisection_order(start, new_seed)[0]
         counts, cell = np.bincount(edges[0], minlength=n)[rows], np.empty(n, np.int64)
         cell[rows] = (np.cumsum(counts) - counts) * cells // len(mass)
         order = np.argsort(cell[edges[0]] * n + edges[0], kind="stable")
@@ -118,13 +120,12 @@ def _improve(
     return edges, mass
 
 
-def _neighbors(points: Floats, seed: int) -> Indices:
+def _neighbors(order: Indices) -> Indices:
     """(n, 8) points near each point, in the order of the cloud and in that of another bisection.
 
     Plans are as near to the optimum as with the four nearest points, but found sooner.
     """
-    rank = np.empty(len(points), np.int64)
-    order, index = bisection_order(points, seed)[0], np.arange(len(points))
+    rank, index = np.empty(len(order), np.int64), np.arange(len(order))
     rank[order] = index
     adjacent = index[:, None] + STEPS, rank[:, None] + STEPS
     return np.hstack([index.take(adjacent[0], mode="clip"), order.take(adjacent[1], mode="clip")])

@@ -77,7 +77,7 @@ def improve_cells(
     a spanning tree.
 
     start, end: (n, 3) and (m, 3) float64. neighbors: (n, k) and (m, k) of each point in its own
-    cloud, whose partners are priced first. cells: (E,) rows, columns and masses of each plan.
+    cloud, whose partners are priced first. cells: (E,) rows (sorted), columns and masses of plans.
     power: the cost of a pair is distance ** power. exhaustive: whether all pairs are priced in the
     end, which guarantees that a plan is optimal.
     """
@@ -85,7 +85,7 @@ def improve_cells(
     row_nodes, column_nodes = (np.full(len(side), NO_NODE, np.uint32) for side in (start, end))
     plans = []
     for tails, heads, mass in cells:
-        rows, columns = _distinct(tails), _distinct(heads)
+        rows, columns = _distinct(tails), _distinct(np.sort(heads))
         n, count = len(rows), len(rows) + len(columns)
         row_nodes[rows] = np.arange(n, dtype=np.uint32)
         column_nodes[columns] = np.arange(n, count, dtype=np.uint32)
@@ -105,9 +105,8 @@ def improve_cells(
     return plans
 
 
-def _distinct(members: Ints) -> Ints:
-    """Equivalent to ``np.unique(members)``, which takes ten times as long for a few hundred."""
-    ordered = np.sort(members)
+def _distinct(ordered: Ints) -> Ints:
+    """Equivalent to ``np.unique(ordered)``, which takes ten times as long for a few hundred."""
     is_new = np.empty(len(ordered), np.bool_)
     is_new[:1] = True
     np.not_equal(ordered[1:], ordered[:-1], out=is_new[1:])
