@@ -77,17 +77,17 @@ def align(
     progress = progress or (lambda stage, done, total: None)
     scans = series.scans
     total = len(scans) + 1  # a step for the sample of each scan, and one for the alignment
-    map = reporting(map, lambda done, _: progress("aligning", done, total), len(scans))
+    with_progress = reporting(map, lambda done, _: progress("aligning", done, total), len(scans))
     labelled = all(scan.labels is not None for scan in scans)
 
     def sample_of(scan: Scan) -> EvenSample:
         labels, offset = scan.labels if labelled else None, scan.origin - scans[0].origin
         return even_sample(scan.points, labels, scan.name, offset)
 
-    samples = list(map(sample_of, scans))
+    samples = list(with_progress(sample_of, scans))
     direction, findings = find_up(samples, up, series.ground_up)
     vertical = Vertical.named(direction)
-    stems = stem_labels(samples, vertical) if labelled else [None] * len(scans)
+    stems = stem_labels(samples, vertical, map) if labelled else [None] * len(scans)
     bases, in_place = common_base(samples, stems, vertical)
     if root is not None:
         bases[0] = root
@@ -111,7 +111,7 @@ def align(
         findings.append(
             frame_finding(samples, moves, fit, stays, series.length, is_requested=method == "turn")
         )
-    findings += unlike_scans(samples, transforms)
+    findings += unlike_scans(samples, transforms, map)
     progress("aligning", total, total)
     return Alignment(
         direction, (*transforms,), (*_bases_in_frame(bases, transforms),), (*findings,)

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from baker.alignment.sample import EvenSample, surface_graph
 from baker.geometry.graph import MIN_LENGTH, segment_gaps
 from baker.geometry.neighbors import NEIGHBORS_FOR_RADIUS, Neighbors, nearest_neighbors
+from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
 
 CLOSE_SCORE = 0.4  # margin by which the usual label may score less than the best one of a scan
@@ -20,13 +22,13 @@ MAX_BASE_OFFSET = 0.06  # of the plant's largest size, between bases that are in
 Points = NDArray[np.float64]
 
 
-def stem_labels(samples: Sequence[EvenSample], vertical: Vertical) -> list[int]:
+def stem_labels(samples: Sequence[EvenSample], vertical: Vertical, map: MapLike = map) -> list[int]:
     """The label of the stem in each scan: a low organ that is adjacent to many others.
 
     A hanging leaf may reach lower, but it is adjacent to few others, and most of it is high up. The
     label of the stem in two thirds of the scans is used in the others, too, if it scores well.
     """
-    scores = [_stem_scores(sample, vertical) for sample in samples]
+    scores = list(map(partial(_stem_scores, vertical=vertical), samples))
     best_labels = [max(scan_scores, key=scan_scores.__getitem__) for scan_scores in scores]
     usual_label, count = Counter(best_labels).most_common(1)[0]
     margin = CLOSE_SCORE if 3 * count >= 2 * len(scores) else 0.0

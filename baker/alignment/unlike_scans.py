@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from baker.alignment.icp import nearest_pairs
 from baker.alignment.sample import EvenSample
+from baker.geometry.parallel import MapLike
 from baker.geometry.principal_axes import principal_spreads
 from baker.scans.scan import Finding
 
@@ -22,7 +23,9 @@ PART_RADIUS = 0.16  # of neighbourhoods whose slenderness is compared, in sizes 
 MIN_SIZE = 1e-3  # of a scan, in sizes of the largest; of a neighbourhood, in sizes of the scan
 
 
-def unlike_scans(samples: Sequence[EvenSample], transforms: NDArray[np.float64]) -> list[Finding]:
+def unlike_scans(
+    samples: Sequence[EvenSample], transforms: NDArray[np.float64], map: MapLike = map
+) -> list[Finding]:
     """Name the scans that are unlike their neighbours in time, in at most one finding.
 
     The dissimilarity of two scans is the root mean square distance of their `nearest_pairs` in
@@ -33,15 +36,19 @@ def unlike_scans(samples: Sequence[EvenSample], transforms: NDArray[np.float64])
     count = len(samples)
     sizes = np.array([np.ptp(sample.points, axis=0).max() for sample in samples])
     sizes = np.maximum(sizes, MIN_SIZE * sizes.max() or 1.0)
-    slenderness = [_slenderness(sample, size) for sample, size in zip(samples, sizes, strict=True)]
+    slenderness = list(map(_slenderness, samples, sizes))
+    pairs = [(i, j) for i, j in combinations(range(count), 2) if j - i <= SCANS_AROUND]
+
+    def compare(pair: tuple[int, int]) -> float:
+        i, j = pair
+        step = np.linalg.inv(transforms[i]) @ transforms[j]
+        distance, _, _ = nearest_pairs(samples[i], samples[j], step)
+        relative = distance / (np.sqrt(sizes[i]) * np.sqrt(sizes[j]))
+        return relative + SLENDERNESS_WEIGHT * abs(slenderness[i] - slenderness[j])
+
     dissimilarity = np.full((count, count), np.nan)
-    for i, j in combinations(range(count), 2):
-        if j - i <= SCANS_AROUND:
-            step = np.linalg.inv(transforms[i]) @ transforms[j]
-            distance, _, _ = nearest_pairs(samples[i], samples[j], step)
-            dissimilarity[i, j] = distance / (np.sqrt(sizes[i]) * np.sqrt(sizes[j]))
-            dissimilarity[i, j] += SLENDERNESS_WEIGHT * abs(slenderness[i] - slenderness[j])
-            dissimilarity[j, i] = dissimilarity[i, j]
+    for (i, j), value in zip(pairs, map(compare, pairs), strict=True):
+        dissimilarity[i, j] = dissimilarity[j, i] = value
     excess = np.zeros(count)
     for k in range(int(count == 2), count):
         adjacent = [j for j in range(count) if 0 < abs(j - k) <= SCANS_AROUND]

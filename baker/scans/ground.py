@@ -71,9 +71,14 @@ def _find_grounds(
     Along the usual direction, it is enough if some scans show one; only grounds with a score of at
     least `CERTAIN_SCORE` are then returned.
     """
+    points = [scan.points for scan in scans]
     for up in directions:
-        is_usual = up == directions[0]
-        grounds = list(map(partial(find_ground, up=up), [scan.points for scan in scans]))
+        is_usual, search = up == directions[0], partial(find_ground, up=up)
+        # Most scans show none if none of this many does.
+        tried = len(scans) if is_usual else len(scans) // 2 + 1
+        grounds = list(map(search, points[:tried]))
+        if any(grounds):
+            grounds += map(search, points[tried:])
         score = np.median([ground.score if ground else 0.0 for ground in grounds])
         if score >= (MIN_SCORE if is_usual else MIN_UNUSUAL_SCORE):
             return up, grounds

@@ -13,15 +13,8 @@ def compile_kernels(
 ) -> str | None:
     """Compile all functions of the exact solver, or load them from numba's cache.
 
-    Parameters
-    ----------
-    report_progress : callable
-        Called with (0, 1) if something has to be compiled, and with (1, 1) when that is done.
-
-    Returns
-    -------
-    str or None
-        A sentence for the user if compiled code can't be cached.
+    report_progress: called with (0, 1) if something has to be compiled, and (1, 1) after that.
+    Returns a sentence for the user if compiled code can't be cached.
     """
     from numba.core.event import Listener, install_listener
 

@@ -49,17 +49,14 @@ def multiscale_plan(
         return (edges[1], edges[0]), mass
     row, axes = bisection_order(start, options.seed)
     column, _ = bisection_order(end, options.seed, axes)
-    row_levels, column_levels = (
-        _levels(start[row], supply[row]),
-        _levels(end[column], demand[column]),
-    )
-    # The cloud with fewer levels stays at its last level, its points.
-    column_levels += column_levels[-1:] * (len(row_levels) - len(column_levels))
+    row_levels = _levels(start[row], supply[row])
+    column_levels = _levels(end[column], demand[column])
+    last = len(row_levels)
+    column_levels += column_levels[-1:] * (last - len(column_levels))  # stays at its points
     edges, mass = (np.zeros(1, np.int64), np.zeros(1, np.int64)), np.array([supply.sum()])
     for index, (rows, columns) in enumerate(zip(row_levels, column_levels, strict=True), start=1):
         edges, mass = refine_plan(rows[1], columns[1], edges, mass)
-        is_last = index == len(row_levels)
-        edges, mass = _improve(rows[0], columns[0], edges, mass, options, is_last)
+        edges, mass = _improve(rows[0], columns[0], edges, mass, options, index == last)
     return (row[edges[0]], column[edges[1]]), mass
 
 
@@ -85,10 +82,9 @@ def _improve(
     orders = [np.arange(n)]
     if not is_small:
         with thread_map(options.workers) as map:
-            by_seed = partial(bisection_order, seed=options.seed + 1)
-            (rows, _), (columns, _) = map(by_seed, (start, end))
-        neighbors = _neighbors(rows), _neighbors(columns)
-        orders.append(rows)
+            other = partial(bisection_order, seed=options.seed + 1)
+            (rows, _), (columns, _) = map(other, (start, end))
+        neighbors, orders = (_neighbors(rows), _neighbors(columns)), [*orders, rows]
 
     def solve(cells: Sequence[tuple[Indices, Indices, Masses]]) -> list[Coupling]:
         return improve_cells(start, end, neighbors, cells, options.power, exhaustive)
@@ -96,12 +92,11 @@ def _improve(
     if n + m <= MAX_POINTS_OF_ONE_CELL:
         return solve([(*edges, mass)])[0]
     cost = float(mass @ costs(start, end, edges, options.power))
-    for sweep in range(MAX_SWEEPS):
+    for sweep, seed in enumerate(range(options.seed, options.seed + MAX_SWEEPS)):
         cells = max(1, round((n + m) / (POINTS_OF_CELL * 2**sweep)))
         # No mass crosses the border of a cell, so each sweep has different ones.
         # They have equal numbers of pairs: where rows have much mass, they have many columns.
-        new_seed = options.seed + sweep
-        rows = orders[sweep] if sweep < len(orders) else bisection_order(start, new_seed)[0]
+        rows = orders[sweep] if sweep < len(orders) else bisection_order(start, seed)[0]
         counts, cell = np.bincount(edges[0], minlength=n)[rows], np.empty(n, np.int64)
         cell[rows] = (np.cumsum(counts) - counts) * cells // len(mass)
         order = np.argsort(cell[edges[0]] * n + edges[0], kind="stable")
