@@ -205,12 +205,13 @@ def _with_unmatched(
     """
     from scipy.spatial import KDTree
 
-    joined, nearest = pair.copy(), other_pair[KDTree(other_points).query(points)[1]]
-    for unmatched in np.unique(leaflet[(pair < 0) & (leaflet >= 0)]):
-        members = np.flatnonzero(leaflet == unmatched)
-        votes = np.bincount(nearest[members] + 1, minlength=2)[1:]
-        if votes.max() >= MAJORITY * len(members):
-            joined[members] = votes.argmax()
+    joined, unmatched = pair.copy(), np.flatnonzero((pair < 0) & (leaflet >= 0))
+    nearest = other_pair[KDTree(other_points).query(points[unmatched])[1]]
+    for part in np.unique(leaflet[unmatched]):
+        is_member = leaflet[unmatched] == part
+        votes = np.bincount(nearest[is_member] + 1, minlength=2)[1:]
+        if votes.max() >= MAJORITY * is_member.sum():
+            joined[unmatched[is_member]] = votes.argmax()
     return joined
 
 
