@@ -24,7 +24,7 @@ from baker.transport.problem import Edges, Indices, Masses, TransportOptions, co
 from baker.transport.space_partition import bisection_order, blocks, refine_plan
 
 BLOCKS_OF_COARSEST_LEVEL = 64  # of either cloud
-BLOCKS_IN_A_BLOCK = 2  # number of blocks of the next level in a block
+BLOCKS_IN_A_BLOCK = 4, 2  # of the next level: on levels that are one cell, and on larger ones
 MIN_RATIO = 1.4  # of the number of points to that of the blocks of the level before
 STEPS = (-3, -1, 1, 3)  # in the orders of two bisections, from a point to its neighbours
 POINTS_OF_CELL = 400  # of both clouds together, in the first sweep
@@ -65,7 +65,7 @@ def _levels(points: Floats, masses: Masses) -> list[tuple[Floats, Masses]]:
     count, levels = BLOCKS_OF_COARSEST_LEVEL, []
     while MIN_RATIO * count <= len(points):
         levels.append(blocks(points, masses, count))
-        count *= BLOCKS_IN_A_BLOCK
+        count *= BLOCKS_IN_A_BLOCK[2 * count > MAX_POINTS_OF_ONE_CELL]
     return [*levels, (points, masses)]
 
 
