@@ -74,8 +74,7 @@ def _find_grounds(
     points = [scan.points for scan in scans]
     for up in directions:
         is_usual, search = up == directions[0], partial(find_ground, up=up)
-        # Most scans show none if none of this many does.
-        tried = len(scans) if is_usual else len(scans) // 2 + 1
+        tried = len(scans) if is_usual else len(scans) // 2 + 1  # if these show none, most do
         grounds = list(map(search, points[:tried]))
         if any(grounds):
             grounds += map(search, points[tried:])
