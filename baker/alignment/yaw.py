@@ -62,7 +62,7 @@ def direction_curve(earlier: Pose, later: Pose, by_label: bool) -> Curve:
     Organs are paired by label, or by an optimal assignment. They are weighted by their lever, the
     horizontal distance of their centre from the stem. For a bare stem it is 1 at all yaws.
     """
-    fits = np.array([_fit(earlier, later, yaw, by_label) for yaw in YAWS.tolist()])
+    fits = _fits(earlier, later, YAWS, by_label)
     levers = np.hypot(*earlier.centers[:, :2].T)
     return fits / levers.sum() if levers.any() else np.ones(len(YAWS))
 
@@ -70,8 +70,7 @@ def direction_curve(earlier: Pose, later: Pose, by_label: bool) -> Curve:
 def refined_yaw(earlier: Pose, later: Pose, yaw: float, by_label: bool) -> float:
     """Refine a yaw to the nearby one, in steps of half a degree, at which organs fit best."""
     yaws = wrapped(yaw + FINE_STEPS)
-    fits = [_fit(earlier, later, fine_yaw, by_label, FINE_WIDTH) for fine_yaw in yaws]
-    return float(yaws[np.argmax(fits)])
+    return float(yaws[np.argmax(_fits(earlier, later, yaws, by_label, FINE_WIDTH))])
 
 
 def second_yaw(curve: Curve, index: int) -> float | None:
@@ -87,8 +86,10 @@ def wrapped(degrees: NDArray[Any]) -> NDArray[np.float64]:
     return (degrees + 180.0) % 360.0 - 180.0
 
 
-def _fit(earlier: Pose, later: Pose, yaw: float, by_label: bool, width: float = WIDTH) -> float:
-    """The fit at a yaw: the sum over pairs of organs of their lever times a Gaussian of their turn.
+def _fits(
+    earlier: Pose, later: Pose, yaws: Curve, by_label: bool, width: float = WIDTH
+) -> Curve:
+    """The fit at each yaw: the sum over pairs of organs of their lever times a Gaussian of their turn.
 
     So organs that have turned about the stem, are new or lost contribute nothing. The fit of organs
     that are paired freely is also multiplied by a Gaussian of their difference in height.
@@ -97,11 +98,11 @@ def _fit(earlier: Pose, later: Pose, yaw: float, by_label: bool, width: float = 
 
     azimuths = [np.degrees(np.arctan2(c[:, 1], c[:, 0])) for c in (earlier.centers, later.centers)]
     levers = [np.hypot(c[:, 0], c[:, 1]) for c in (earlier.centers, later.centers)]
-    turns = wrapped(azimuths[1] + yaw - azimuths[0][:, None])
+    turns = wrapped(azimuths[1] + yaws[:, None, None] - azimuths[0][:, None])
     fits = np.minimum(levers[0][:, None], levers[1]) * np.exp(-0.5 * (turns / width) ** 2)
     if by_label:
-        return float(fits[earlier.names[:, None] == later.names].sum())
+        return fits[:, earlier.names[:, None] == later.names].sum(axis=1)
     rise = later.centers[:, 2] - earlier.centers[:, 2][:, None]
     height = max(earlier.height, float(np.finfo(np.float32).tiny))
     fits *= np.exp(-0.5 * (rise / height) ** 2)
-    return float(fits[linear_sum_assignment(-fits)].sum())
+    return np.array([fit[linear_sum_assignment(-fit)].sum() for fit in fits])

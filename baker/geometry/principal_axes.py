@@ -18,16 +18,15 @@ def principal_spreads(points: NDArray[np.float64], radius: float) -> NDArray[np.
     (N, 3) float64
         In ascending order. In a rod the first two are small, on a sheet the first.
     """
-    from scipy.sparse import csr_matrix, identity
+    from scipy.sparse import csr_matrix
     from scipy.spatial import KDTree
 
     count, centered = len(points), points - points.mean(axis=0)
     i, j = KDTree(points).query_pairs(radius, output_type="ndarray").T
     half = csr_matrix((np.ones(len(i)), (i, j)), (count, count))
-    adjacency = half + half.T + identity(count, format="csr")
-    number = adjacency @ np.ones((count, 1))
-    mean = (adjacency @ centered) / number
     products = (centered[:, :, None] * centered[:, None]).reshape(count, 9)
-    squares = ((adjacency @ products) / number).reshape(count, 3, 3)
-    variances = np.linalg.eigvalsh(squares - mean[:, :, None] * mean[:, None])
-    return np.sqrt(np.maximum(variances, 0.0))
+    moments = np.column_stack([np.ones(count), centered, products])
+    sums = moments + half @ moments + half.T @ moments  # over each ball
+    mean, squares = np.split(sums[:, 1:] / sums[:, :1], [3], axis=1)
+    covariance = squares.reshape(count, 3, 3) - mean[:, :, None] * mean[:, None]
+    return np.sqrt(np.maximum(np.linalg.eigvalsh(covariance), 0.0))
