@@ -33,10 +33,10 @@ def nearest_pairs(
 
     transform: (4, 4) from the later scan's coordinates to those of the earlier one.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     moved = (earlier.points - transform[:3, 3]) @ transform[:3, :3]
-    distances, nearest = KDTree(later.pool).query(moved)
+    distances, nearest = cKDTree(later.pool).query(moved)
     count = max(int(np.ceil(INLIER_SHARE * len(distances))), 1)
     inliers = np.argsort(distances, kind="stable")[:count]
     error = float(np.sqrt((distances[inliers] ** 2).mean()))

@@ -87,9 +87,9 @@ def wrapped(degrees: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def _fits(
-    earlier: Pose, later: Pose, yaws: Curve, by_label: bool, width: float = WIDTH
+    earlier: Pose, later: Pose, yaws: NDArray[Any], by_label: bool, width: float = WIDTH
 ) -> Curve:
-    """The fit at each yaw: the sum over pairs of organs of their lever times a Gaussian of their turn.
+    """The fit at each yaw: the sum over pairs of organs of lever times a Gaussian of their turn.
 
     So organs that have turned about the stem, are new or lost contribute nothing. The fit of organs
     that are paired freely is also multiplied by a Gaussian of their difference in height.

@@ -215,7 +215,7 @@ def _shortest_bridges(
     is found with one pair of KD-trees for each bit.
     """
     from scipy.sparse import coo_matrix
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     count = len(points)
     distance, foreign = np.full(count, np.inf), np.zeros(count, np.intp)
@@ -223,7 +223,7 @@ def _shortest_bridges(
         for value in (0, 1):
             is_source = (component >> bit & 1) == value
             source, target = np.flatnonzero(is_source), np.flatnonzero(~is_source)
-            to_target, index = KDTree(points[target]).query(points[source])
+            to_target, index = cKDTree(points[target]).query(points[source])
             is_nearer = to_target < distance[source]
             distance[source[is_nearer]] = to_target[is_nearer]
             foreign[source[is_nearer]] = target[index[is_nearer]]

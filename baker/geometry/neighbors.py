@@ -51,7 +51,7 @@ class Neighbors:
 def nearest_neighbors(points: Points, k: int = NEIGHBORS, map: MapLike = map) -> Neighbors:
     """Query the k nearest other points of each point.
 
-    Equivalent to ``KDTree(points).query(points, k + 1)`` without each point itself. The points are
+    Equivalent to ``cKDTree(points).query(points, k + 1)`` without each point itself. The points are
     queried along a Morton curve, which takes a third of the time for points in random order.
 
     Parameters
@@ -62,12 +62,12 @@ def nearest_neighbors(points: Points, k: int = NEIGHBORS, map: MapLike = map) ->
     map : map-like callable
         Maps over blocks of points, in threads.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     k = min(k, len(points) - 1)
     order = morton_order(points)
     ordered, numbers = points[order], order.astype(np.int32)
-    tree, ranks = KDTree(ordered, LEAF_SIZE, balanced_tree=False), np.arange(1, k + 2)
+    tree, ranks = cKDTree(ordered, LEAF_SIZE, balanced_tree=False), np.arange(1, k + 2)
     shape = len(points), k
     neighbors = Neighbors(np.empty(shape, np.int32), np.empty(shape, np.float32))
 
@@ -111,9 +111,9 @@ def interpolate(points: Points, samples: Points, values: Points, k: int) -> NDAr
     -------
     (n, ...) float64
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
-    distances, nearest = KDTree(samples).query(points, k=[*range(1, min(k, len(samples)) + 1)])
+    distances, nearest = cKDTree(samples).query(points, k=[*range(1, min(k, len(samples)) + 1)])
     weights = 1.0 / np.maximum(distances, 1e-9 * (distances.max() + 1e-30))
     weights /= weights.sum(axis=1, keepdims=True)
     return np.asarray(np.einsum("nk,nk...->n...", weights, values[nearest]))

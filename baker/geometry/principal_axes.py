@@ -19,10 +19,10 @@ def principal_spreads(points: NDArray[np.float64], radius: float) -> NDArray[np.
         In ascending order. In a rod the first two are small, on a sheet the first.
     """
     from scipy.sparse import csr_matrix
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     count, centered = len(points), points - points.mean(axis=0)
-    i, j = KDTree(points).query_pairs(radius, output_type="ndarray").T
+    i, j = cKDTree(points).query_pairs(radius, output_type="ndarray").T
     half = csr_matrix((np.ones(len(i)), (i, j)), (count, count))
     products = (centered[:, :, None] * centered[:, None]).reshape(count, 9)
     moments = np.column_stack([np.ones(count), centered, products])

@@ -78,12 +78,12 @@ def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequen
     clouds, scans : sequences of (N, 3) float32 ndarray and Scan
         Aligned, relative to the clip's origin; with `scalars` of the same names.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     scalars = [scan.scalars for scan in scans]
     if not scalars[0]:
         return clip
-    trees, born = [KDTree(cloud) for cloud in clouds], np.array([t.born for t in clip.track_table])
+    trees, born = [cKDTree(cloud) for cloud in clouds], np.array([t.born for t in clip.track_table])
     intervals = []
     for k, interval in enumerate(clip.intervals):
         first, last = (

@@ -17,7 +17,7 @@ from baker.geometry.sampling import farthest_point_sample
 from baker.interpolation.spine import Points, Spine, interpolate_nodes, node_positions, unit
 
 if TYPE_CHECKING:
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
 # docs/method.md, "Motion of organs".
 MIN_NODE_DISTANCE = 0.02  # between landmarks along a spine, as a share of its length
@@ -77,14 +77,14 @@ def register_nonrigid(
     each landmark with its target. Around `CENTERS` points, affine maps are fitted to the
     displacements of the pairs by weighted least squares, and the maps are blended.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
     from scipy.spatial.distance import cdist
 
     center = moving.mean(axis=0)
     size = float(np.sqrt(((moving - center) ** 2).sum(axis=1).mean())) or 1.0
     source, target = (moving - center) / size, (target - center) / size
     i, j = landmarks
-    tree = KDTree(target)
+    tree = cKDTree(target)
     centers = farthest_point_sample(source, CENTERS, first=0)
     squared = cdist(source[centers], source, "sqeuclidean")
     homogeneous = np.c_[source, np.ones(len(source))]
@@ -109,16 +109,16 @@ def register_nonrigid(
 
 
 def _closest_pairs(
-    source: Points, target: Points, deformed: Points, tree: KDTree
+    source: Points, target: Points, deformed: Points, tree: cKDTree
 ) -> tuple[NDArray[np.float64], Points]:
     """The (n,) total weight of the pairs of each point, and the (n, 3) sum of their displacements.
 
     Pairs are found from the deformed points, displacements are measured from the source.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     to_target, partners = tree.query(deformed)
-    to_deformed, points = KDTree(deformed, balanced_tree=False).query(target)
+    to_deformed, points = cKDTree(deformed, balanced_tree=False).query(target)
     distance = np.concatenate([to_target, to_deformed])
     first = np.concatenate([np.arange(len(source)), points])
     second = np.concatenate([partners, np.arange(len(target))])

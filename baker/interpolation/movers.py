@@ -140,9 +140,9 @@ def child_deviations(
 
     motion: of the organ. end, scan: (N, 3) points of the second scan, and its hierarchy.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
-    tree, attached_to = KDTree(motion.deformed), dict[int, int]()
+    tree, attached_to = cKDTree(motion.deformed), dict[int, int]()
     for child in scan.children(scan.organs.index(organ)):
         members = scan.segments[child]
         if len(members):

@@ -100,10 +100,10 @@ def growth_share(start: Points, end: Points, uneven: float) -> float:
 
 def unevenness(sample: Points, deformed: Points) -> float:
     """Standard deviation of the logarithm of the stretch between (n, 3) points and neighbours."""
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     chosen = np.arange(0, len(sample), max(len(sample) // POINTS_COMPARED, 1))
-    nearest = KDTree(sample).query(sample[chosen], k=min(LAST_NEIGHBOR, len(sample)))[1]
+    nearest = cKDTree(sample).query(sample[chosen], k=min(LAST_NEIGHBOR, len(sample)))[1]
     nearest = nearest[:, FIRST_NEIGHBOR::NEIGHBOR_STEP]
     before = np.linalg.norm(sample[chosen, None] - sample[nearest], axis=2)
     after = np.linalg.norm(deformed[chosen, None] - deformed[nearest], axis=2)

@@ -60,9 +60,9 @@ def _contacts(
     """The contacts of organs with their parents: connected components of the touching points."""
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
-    trees: dict[int, KDTree] = {}
+    trees: dict[int, cKDTree] = {}
     contacts: dict[int, list[Cloud]] = {}
     for members, organ, parent in zip(
         hierarchy.segments, hierarchy.organs, hierarchy.parents, strict=True
@@ -71,12 +71,12 @@ def _contacts(
         if organ not in organs or not is_attached or len(members) < MIN_POINTS_FOR_SPINE:
             continue
         if parent not in trees:
-            trees[parent] = KDTree(cloud[sample_members(hierarchy.segments[parent])])
+            trees[parent] = cKDTree(cloud[sample_members(hierarchy.segments[parent])])
         sample = cloud[sample_members(members)].astype(np.float64)
         step = spacing * (len(members) / len(sample)) ** 0.5  # the spacing of the sample
         gap = trees[parent].query(sample)[0]
         touching = sample[gap <= gap.min() + CONTACT_RADIUS * step]
-        pairs = KDTree(touching).query_pairs(MAX_STEP * step, output_type="ndarray")
+        pairs = cKDTree(touching).query_pairs(MAX_STEP * step, output_type="ndarray")
         graph = csr_matrix((np.ones(len(pairs)), pairs.T), (len(touching), len(touching)))
         count, component = connected_components(graph, directed=False)
         contacts[organ] = [touching[component == k] for k in range(count)]
@@ -127,7 +127,7 @@ def organ_shapes(
     organ with a long contact, like a leaf of grass in its whorl, starts at the contact's lowest
     point. Returns the shapes by track id.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     shapes: dict[int, OrganShape] = {}
     lineages = ((segment, *hierarchy.ancestors(segment)) for segment in segments)
@@ -140,10 +140,10 @@ def organ_shapes(
             continue
         parent_shape = None if parent == NO_PARENT else shapes.get(hierarchy.organs[parent])
         sample = points[sample_members(members)].astype(np.float64)
-        seeds = np.unique(KDTree(sample).query(contact)[1])
+        seeds = np.unique(cKDTree(sample).query(contact)[1])
         offsets = np.zeros(len(seeds))
         if parent_shape is not None:
-            gaps, touched = KDTree(parent_shape.points).query(sample[seeds])
+            gaps, touched = cKDTree(parent_shape.points).query(sample[seeds])
             offsets = parent_shape.lengths[touched] + gaps
             parent_shape.nodes[organ] = int(touched[np.argmin(offsets)])
         lengths = path_lengths(sample, seeds, offsets)

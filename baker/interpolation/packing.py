@@ -44,17 +44,9 @@ def pack_interval(
 
     Movers of one motion form a group, sorted by `block_shuffle`.
 
-    Parameters
-    ----------
-    start, end : float
-        Times of the two scans.
-    movers : sequence of Movers
-        At least one mover.
-    spacing : float
-        Median distance between neighbouring points.
-    precision : str
-        "float32", or "auto": 16-bit integers, if their step is at most `MAX_STEP` of the spacing.
-    segments : tuple of SegmentPair
+    start, end: times of the two scans. movers: at least one mover. spacing: median distance between
+    neighbouring points. precision: "float32", or "auto": 16-bit integers, if their step is at most
+    `MAX_STEP` of the spacing.
     """
     movers = [m for motion in Motion for m in movers if m.motion is motion and len(m)]
     degree = max(len(m.curve) - 1 for m in movers)
@@ -92,12 +84,8 @@ def pack_interval(
 def elevate_degree(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], ...]:
     """Elevate the degree of Bézier curves without changing them.
 
-    Parameters
-    ----------
-    curve : tuple of (N, 3) ndarray
-        The points of the curves: start, control points, end.
-    degree : int
-        Of the returned curves, at least that of the given ones.
+    curve: (N, 3) each, the start, the control points and the end. degree: of the returned curves,
+    at least that of the given ones.
 
     References
     ----------

@@ -96,9 +96,9 @@ def _displacements(
     middle: (M, 3) positions of all movers at mid-interval. width: (n,) of the repeated movers.
     repeated, repetition: as `_choose_repeated` returns them.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
-    tree, means = KDTree(middle, balanced_tree=False), [_group_means(g, middle) for g in groups]
+    tree, means = cKDTree(middle, balanced_tree=False), [_group_means(g, middle) for g in groups]
     for part in blocks(len(repeated)):
         chosen, turn, limit = repeated[part], repetition[part], MAX_OVERHANG * width[part]
         own = middle[chosen]

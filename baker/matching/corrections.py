@@ -240,7 +240,7 @@ def _minimum_cut(cloud: NDArray[np.floating], organ: Mask, places: tuple[int, in
     """
     from scipy.sparse import block_array, csr_array
     from scipy.sparse.csgraph import breadth_first_order, maximum_flow
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     points = np.flatnonzero(organ)
     candidates = np.random.default_rng(0).permutation(np.setdiff1d(points, places))
@@ -255,5 +255,5 @@ def _minimum_cut(cloud: NDArray[np.floating], organ: Mask, places: tuple[int, in
     is_second = np.ones(count + 2, bool)
     is_second[breadth_first_order(residual, count, return_predecessors=False)] = False
     part = np.zeros(len(cloud), bool)
-    part[points] = is_second[KDTree(sample).query(cloud[points])[1]]
+    part[points] = is_second[cKDTree(sample).query(cloud[points])[1]]
     return part

@@ -117,9 +117,9 @@ def _organs(hierarchy: Hierarchy, root_point: int) -> tuple[list[NDArray[np.intp
 
 def _attachment(sample: NDArray[np.float64], parent: NDArray[np.float64]) -> NDArray[np.float64]:
     """(3,) mean of the points of an organ that are nearest to the points of its parent."""
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
-    distances = KDTree(parent).query(sample)[0]
+    distances = cKDTree(parent).query(sample)[0]
     nearest = np.argsort(distances, kind="stable")[:ATTACHMENT_POINTS]
     return np.asarray(sample[nearest].mean(axis=0))
 

@@ -203,10 +203,10 @@ def _with_unmatched(
 
     Leaflets that touch may be segmented as one leaflet in one scan and as two in the other.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     joined, unmatched = pair.copy(), np.flatnonzero((pair < 0) & (leaflet >= 0))
-    nearest = other_pair[KDTree(other_points).query(points[unmatched])[1]]
+    nearest = other_pair[cKDTree(other_points).query(points[unmatched])[1]]
     for part in np.unique(leaflet[unmatched]):
         is_member = leaflet[unmatched] == part
         votes = np.bincount(nearest[is_member] + 1, minlength=2)[1:]

@@ -82,7 +82,7 @@ def _distance_ratio(reference: Points, rest: Points, part: Points, growth: float
     reference: the organ in the neighbouring scan. rest, part: its two parts in this scan.
     growth: ratio of the sizes of the other organs in this scan to those in the neighbouring one.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     size = _size(reference)
     expected = growth * size
@@ -90,11 +90,11 @@ def _distance_ratio(reference: Points, rest: Points, part: Points, growth: float
     is_whole = low < _size(np.concatenate([rest, part])) < high
     if _size(rest) > MAX_REST_SIZE * expected or not is_whole:
         return np.inf
-    if KDTree(_sample(rest)).query(_sample(part))[0].min() > MAX_GAP * expected:
+    if cKDTree(_sample(rest)).query(_sample(part))[0].min() > MAX_GAP * expected:
         return np.inf
     centered = _sample(reference) - reference.mean(axis=0)
     distances = [
-        KDTree(target).query(centered + target.mean(axis=0))[0].mean()
+        cKDTree(target).query(centered + target.mean(axis=0))[0].mean()
         for target in (np.concatenate([_sample(rest), _sample(part)]), _sample(rest))
     ]
     return float(distances[0] / distances[1]) if distances[1] > 0 else np.inf

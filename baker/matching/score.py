@@ -66,11 +66,7 @@ def best_pairs(scores: NDArray[np.float64]) -> tuple[NDArray[np.intp], float]:
     scores : (n, m) float64
         Pairs with a score of 0 or less are not made.
 
-    Returns
-    -------
-    pairs : (p, 2) intp
-        By row.
-    total : float
+    Returns the (p, 2) pairs, by row, and their total score.
     """
     from scipy.optimize import linear_sum_assignment
 
@@ -150,10 +146,10 @@ def neighbor_displacements(
 
 def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.float64]:
     """(n, m) mean distance of the points of each young organ to each old one; inf if far apart."""
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     distances = np.full((len(young), len(old)), np.inf)
-    trees = [KDTree(sample) for sample in old.samples]
+    trees = [cKDTree(sample) for sample in old.samples]
     for i, j in np.argwhere(_candidates(young, old)):
         distances[i, j] = trees[j].query(young.samples[i])[0].mean()
     return distances

@@ -51,7 +51,7 @@ class Ground:
         Points of the ground's layer belong to the stem if, seen from above, they are within a point
         spacing of points that rise from the ground.
         """
-        from scipy.spatial import KDTree
+        from scipy.spatial import cKDTree
 
         rotated, heights, inside = self.coordinates(points)
         held = (heights <= self.thickness) & (inside >= 0)
@@ -59,7 +59,7 @@ class Ground:
         layer = np.flatnonzero(held & (heights >= -self.thickness))
         if min(rising.sum(), len(layer)) > 1:
             spacing = min(point_spacing(points[rising]), point_spacing(points[layer]))
-            distances, _ = KDTree(rotated[rising, :2]).query(rotated[layer, :2])
+            distances, _ = cKDTree(rotated[rising, :2]).query(rotated[layer, :2])
             held[layer[distances <= spacing]] = False
         return held
 

@@ -34,7 +34,7 @@ def segment_leaflets(points: NDArray[np.floating], attachment: int) -> NDArray[n
         The leaflet of each point, from 0 on; -1 on the stalk, and for all points if there are not
         at least two leaflets.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     count = len(points)
     if count > MAX_POINTS_SEARCHED:
@@ -42,7 +42,7 @@ def segment_leaflets(points: NDArray[np.floating], attachment: int) -> NDArray[n
         sample[0] = attachment
         leaflet = segment_leaflets(points[sample], 0)
         if leaflet.max() >= 0:
-            return leaflet[KDTree(points[sample]).query(points)[1]]
+            return leaflet[cKDTree(points[sample]).query(points)[1]]
     if count > MAX_POINTS_SEARCHED or count < 2 * MIN_POINTS or not np.ptp(points, axis=0).any():
         return np.full(count, -1)
     graph = connected_knn_graph(points, NEIGHBORS)

@@ -65,9 +65,9 @@ def _prepare(cloud: Points, base: int) -> tuple[PlantSample, ReebTree | None, Fl
 
 def _scores_from_next(sample: PlantSample, following: PlantSample, organ: Indices) -> Floats:
     """(n,) blade scores of the points of a scan, from the nearest organs of the following scan."""
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
-    distance, nearest = KDTree(following.points).query(sample.points)
+    distance, nearest = cKDTree(following.points).query(sample.points)
     weight = np.maximum(1.0 - distance / (MAX_DISTANCE * sample.diameter), 0.0)
     return NEXT_WEIGHT * np.where(organ[nearest] == STEM, -weight, weight)
 

@@ -149,13 +149,13 @@ def sample_plant(points: NDArray[np.floating], base: int) -> PlantSample:
 def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int) -> PlantSample:
     """The sample of one point in each voxel with edges of length `size`, without outliers."""
     from scipy.sparse.csgraph import dijkstra
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     points = cloud[voxel_downsample(cloud, size)]
     points = points[nearest_neighbors(points).inliers]
     neighbors = nearest_neighbors(points)
     graph = connected_knn_graph(points, NEIGHBORS, neighbors)
-    nearest = KDTree(points).query(cloud)[1]
+    nearest = cKDTree(points).query(cloud)[1]
     distance, before = dijkstra(
         graph, directed=False, indices=nearest[base], return_predecessors=True
     )

@@ -15,8 +15,7 @@ optimal among these is optimal ("shielding"; a few nearest neighbours are nearly
 solves cells that are small enough for the processor's cache. docs/method.md has a comparison with
 POT, whose solver has no initial plan and needs a dense cost matrix.
 
-The module is compiled by numba: import it in functions. Its functions call each other at most two
-levels deep, since numba compiles a function again for every level above it.
+The module is compiled by numba: import it in functions.
 
 References
 ----------
@@ -27,14 +26,13 @@ B. Schmitzer: A sparse multiscale algorithm for dense optimal transport, J. Math
 W. H. Cunningham: A network simplex method, Math. Program. 11 (1976).
 """
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.transport.compiled import compiled
-from baker.transport.problem import Edges, Masses
+from baker.transport.problem import Coupling, Masses
 
 NO_NODE: Any = np.uint32(0xFFFFFFFF)  # in the place of the index of a node
 TOLERANCE = 1e-12  # share of the largest cost; reduced costs above minus this are not negative
@@ -63,54 +61,55 @@ Tree = Any  # (n + m + 1,) ndarray of NODE
 Node = Any  # the index of a node, uint32
 
 
+@compiled
 def improve_cells(
-    start: Floats,
-    end: Floats,
-    neighbors: tuple[Ints, Ints],
-    cells: Iterable[tuple[Ints, Ints, Masses]],
-    power: int,
-    exhaustive: bool,
-) -> list[tuple[Edges, Masses]]:
+    points: Floats, near: Ints, plans: Coupling, stops: Ints, power: int, exhaustive: bool
+) -> Coupling:
     """Find the plan of least cost between the points of each feasible plan, with the same masses.
 
     Points that are in no pair of a plan are left out. The plans returned have the arcs with flow of
     a spanning tree.
 
-    start, end: (n, 3) and (m, 3) float64. neighbors: (n, k) and (m, k) of each point in its own
-    cloud, whose partners are priced first. cells: (E,) rows (sorted), columns and masses of plans.
-    power: the cost of a pair is distance ** power. exhaustive: whether all pairs are priced in the
-    end, which guarantees that a plan is optimal.
+    points: (P, 3), those of the start before those of the end. near: (P, k) neighbours of each
+    point in its own cloud, whose partners are priced first. plans: (3, E) points at the start and
+    the end of pairs and their masses, plan after plan, like those returned. stops: (cells,) the end
+    of each plan. power: the cost of a pair is distance ** power. exhaustive: whether all pairs are
+    priced in the end, which guarantees that a plan is optimal.
     """
-    # The node of each point in the tree of the current cell.
-    row_nodes, column_nodes = (np.full(len(side), NO_NODE, np.uint32) for side in (start, end))
-    plans = []
-    for tails, heads, mass in cells:
-        rows, columns = _distinct(tails), _distinct(np.sort(heads))
-        n, count = len(rows), len(rows) + len(columns)
-        row_nodes[rows] = np.arange(n, dtype=np.uint32)
-        column_nodes[columns] = np.arange(n, count, dtype=np.uint32)
-        tree = np.empty(count + 1, NODE)
-        points = np.concatenate([start.take(rows, axis=0), end.take(columns, axis=0)])
-        for axis, name in enumerate("xyz"):
-            tree[name][:count] = points[:, axis]
-        near_rows = row_nodes.take(neighbors[0].take(rows, axis=0))
-        near = np.concatenate([near_rows, column_nodes.take(neighbors[1].take(columns, axis=0))])
-        arcs = row_nodes.take(tails), column_nodes.take(heads)
-        network_simplex(tree, n, near, *arcs, mass, power, exhaustive)
-        row_nodes[rows], column_nodes[columns] = NO_NODE, NO_NODE
-        child = np.flatnonzero(tree["flow"][:count] > 0)
-        parent = tree["parent"][child]
-        row, column = np.minimum(child, parent), np.maximum(child, parent)
-        plans.append(((rows[row], columns[column - n]), tree["flow"][child]))
-    return plans
+    # The node of each point in the tree of the current cell, and the points of its nodes.
+    nodes, members = np.full(len(points), NO_NODE), np.empty(2 * plans.shape[1], np.int64)
+    arcs, improved = np.empty(plans.shape, np.uint32), np.empty((3, len(members)), np.int64)
+    begin, found = 0, 0
+    for stop in stops:
+        n = _number_points(plans[0, begin:stop], nodes, members, 0, arcs[0, begin:stop])
+        count = _number_points(plans[1, begin:stop], nodes, members, n, arcs[1, begin:stop])
+        tree, near_nodes = np.empty(count + 1, NODE), np.empty((count, near.shape[1]), np.uint32)
+        for v in range(count):
+            tree[v].x, tree[v].y, tree[v].z = points[members[v]]
+            for k in range(near.shape[1]):
+                near_nodes[v, k] = nodes[near[members[v], k]]
+        ends, mass = (arcs[0, begin:stop], arcs[1, begin:stop]), plans[2, begin:stop]
+        network_simplex(tree, n, near_nodes, *ends, mass, power, exhaustive)
+        for v in range(count):
+            nodes[members[v]] = NO_NODE
+            if tree[v].flow > 0:
+                a, b = members[v], members[tree[v].parent]
+                improved[0, found], improved[1, found] = min(a, b), max(a, b)
+                improved[2, found] = tree[v].flow
+                found += 1
+        begin = stop
+    return improved[:, :found].copy()
 
 
-def _distinct(ordered: Ints) -> Ints:
-    """Equivalent to ``np.unique(ordered)``, which takes ten times as long for a few hundred."""
-    is_new = np.empty(len(ordered), np.bool_)
-    is_new[:1] = True
-    np.not_equal(ordered[1:], ordered[:-1], out=is_new[1:])
-    return ordered[is_new]
+@compiled
+def _number_points(ends: Ints, nodes: Ints, members: Ints, count: int, numbers: Ints) -> int:
+    """Number the points at the ends of arcs from `count` on; returns the next number."""
+    for arc in range(len(ends)):
+        if nodes[ends[arc]] == NO_NODE:
+            nodes[ends[arc]], members[count] = count, ends[arc]
+            count += 1
+        numbers[arc] = nodes[ends[arc]]
+    return count
 
 
 @compiled

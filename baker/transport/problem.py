@@ -3,20 +3,18 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from baker.geometry.morton import morton_order
 
-if TYPE_CHECKING:
-    from scipy.spatial import KDTree
-
 Points = NDArray[np.floating]
 Indices = NDArray[np.integer]
 Masses = NDArray[np.int64]  # in integer units, so that sums are exact
 Edges = tuple[Indices, Indices]  # rows and columns of the pairs that may carry mass
+Coupling = NDArray[np.int64]  # (3, E) rows, columns and masses of the pairs of a feasible plan
 
 # Of `overlap_masses`.
 NEIGHBORS = 10  # points of the other cloud are counted within the distance of this neighbour
@@ -153,13 +151,13 @@ def overlap_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
     distance of its tenth neighbour, at most ten, after correction for the clouds' sizes. For large
     clouds it is computed on a sample. Masses are integers of at least 1, with equal sums.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     k = min(NEIGHBORS, len(start), len(end))
     if k < 2:
         shares = np.ones(len(start)), np.ones(len(end))
     else:
-        source, target = (KDTree(points, balanced_tree=False) for points in (start, end))
+        source, target = (cKDTree(points, balanced_tree=False) for points in (start, end))
         shares = _share(source, target, k), _share(target, source, k)
     supply, demand = (np.maximum(1, TOTAL_MASS * (s / s.sum())).astype(np.int64) for s in shares)
     # The rounding error is added to the largest mass.
@@ -168,8 +166,8 @@ def overlap_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
     return supply, demand
 
 
-def _share(own: "KDTree", target: "KDTree", k: int) -> NDArray[np.float64]:
-    """(n,) number of target points within the k-th neighbour of each own point, relative to k."""
+def _share(own: Any, target: Any, k: int) -> NDArray[np.float64]:
+    """(n,) points of the `target` KD-tree within the k-th `own` neighbour of each point, over k."""
     order, step = morton_order(own.data), -(-own.n // MAX_SAMPLE)
     sample = own.data[order[::step]]
     radius = own.query(sample, k=[k])[0][:, 0] * 1.0001

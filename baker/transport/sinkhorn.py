@@ -156,11 +156,11 @@ def _drop_small(support: Edges, cost: Floats, mass: Floats, n: int, m: int) -> t
 
 def nearest(start: Points, end: Points, k: int) -> Edges:
     """The pairs of each point with its k nearest points of the other cloud (section 3.4)."""
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     n, m = len(start), len(end)
-    in_end = KDTree(end).query(start, min(k, m))[1].reshape(n, -1)
-    in_start = KDTree(start).query(end, min(k, n))[1].reshape(m, -1)
+    in_end = cKDTree(end).query(start, min(k, m))[1].reshape(n, -1)
+    in_start = cKDTree(start).query(end, min(k, n))[1].reshape(m, -1)
     return unique(
         (np.repeat(np.arange(n), in_end.shape[1]), in_end.ravel()),
         (in_start.ravel(), np.repeat(np.arange(m), in_start.shape[1])),

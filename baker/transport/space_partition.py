@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.transport.problem import Edges, Indices, Masses, Points
+from baker.transport.problem import Coupling, Edges, Indices, Masses, Points
 
 
 def bisection_order(
@@ -48,33 +48,19 @@ def blocks(points: Points, masses: Masses, count: int) -> tuple[NDArray[np.float
     return np.add.reduceat(points, first) / sizes[:, None], np.add.reduceat(masses, first)
 
 
-def refine_plan(supply: Masses, demand: Masses, edges: Edges, mass: Masses) -> tuple[Edges, Masses]:
+def refine_plan(supply: Masses, demand: Masses, plan: Coupling) -> Coupling:
     """Refine a feasible plan between blocks of successive points to one between the points.
 
     The mass of each pair of blocks is distributed by the north-west corner rule. With a single
     block on each side this is the bisection coupling (BSP-OT, Genest et al. 2025). Integer masses
     make the plan feasible for any sizes; it has at most n + m more pairs.
 
-    supply, demand: (n,) and (m,) masses of the points. edges, mass: (E,) the plan between blocks.
-    The returned (F,) pairs are sorted by row, then column.
+    supply, demand: (n,) and (m,) masses of the points. The returned pairs are sorted by row, then
+    column.
     """
-    by_row = np.lexsort((edges[1], edges[0]))
-    block, mass = edges[1][by_row], mass[by_row]
-    by_column = np.argsort(block, kind="stable")
-    # Cumulative masses: at the ends of rows and columns, and at the starts of the pairs of blocks,
-    # sorted by row (`begin`) and by column (`sorted_begin`).
-    row_ends, column_ends = np.cumsum(supply), np.cumsum(demand)
-    begin, sorted_begin = np.cumsum(mass) - mass, np.cumsum(mass[by_column]) - mass[by_column]
-    shift = np.empty_like(begin)
-    shift[by_column] = sorted_begin - begin[by_column]
-    # A new pair of points starts with each pair of blocks, each row and each column.
-    column_pair = by_column[np.searchsorted(sorted_begin, column_ends[:-1], "right") - 1]
-    begins = np.sort(np.r_[begin, row_ends[:-1], column_ends[:-1] - shift[column_pair]])
-    flow = np.diff(begins, append=row_ends[-1])
-    begins, flow = begins[flow > 0], flow[flow > 0]
-    pair = np.searchsorted(begin, begins, "right") - 1
-    i = np.searchsorted(row_ends, begins, "right")
-    return (i, np.searchsorted(column_ends, begins + shift[pair], "right")), flow
+    from baker.transport.bisection import north_west_corner
+
+    return north_west_corner(supply, demand, plan.take(np.lexsort(plan[1::-1]), axis=1))
 
 
 def bisection_plan(
@@ -86,7 +72,6 @@ def bisection_plan(
         return (rows, columns), mass
     row, axes = bisection_order(start, seed)
     column, _ = bisection_order(end, seed, axes)
-    whole = np.zeros(1, np.int64)
     masses = supply[row], demand[column]
-    edges, mass = refine_plan(*masses, (whole, whole), np.array([supply.sum()]))
-    return (row[edges[0]], column[edges[1]]), mass
+    rows, columns, mass = refine_plan(*masses, np.array([[0], [0], [supply.sum()]]))
+    return (row[rows], column[columns]), mass

@@ -94,7 +94,7 @@ def _attachment_points(
     paper: bool,
 ) -> NDArray[np.intp]:
     """The points of the segment `ancestor` that are nearest to the new segment `top`."""
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     members = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]
     organ = match.second.segments[top]
@@ -103,7 +103,7 @@ def _attachment_points(
         high = MAX_ATTACHMENT_POINTS if paper else round(ORGAN_SHARE * len(organ))
         high = max(low, min(high, MAX_ATTACHMENT_POINTS))
         count = min(max(low, round(ATTACHMENT_SHARE * len(members))), high)
-    tree = KDTree(points[1].take(organ, axis=0), balanced_tree=False)
+    tree = cKDTree(points[1].take(organ, axis=0), balanced_tree=False)
     # A sample gives an upper bound of the distances, which makes the query faster.
     sample = members[:: max(1, len(members) // (SAMPLE_RATIO * count))]
     nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:count]

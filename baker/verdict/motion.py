@@ -77,11 +77,11 @@ def torn_share(ends: Points, spacing: float, threshold: float) -> float:
 
     It is the larger share of both directions: neighbours may be separated, or brought together.
     """
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     shares = [0.0]
     for points, moved in (ends, ends[::-1]):
-        distance, neighbor = KDTree(points).query(points, NEIGHBORS + 1)
+        distance, neighbor = cKDTree(points).query(points, NEIGHBORS + 1)
         i, column = np.nonzero(distance[:, 1:] < NEIGHBOR_DISTANCE * spacing)
         moved_distance = np.linalg.norm(moved[i] - moved[neighbor[i, column + 1]], axis=1)
         shares += [float((moved_distance > threshold).mean())] if len(i) else []
@@ -90,11 +90,11 @@ def torn_share(ends: Points, spacing: float, threshold: float) -> float:
 
 def order_correlation(ends: Points, attachments: Sequence[Points]) -> float:
     """Spearman's rank correlation of geodesic distances from the attachment in both scans."""
-    from scipy.spatial import KDTree
+    from scipy.spatial import cKDTree
 
     ranks = []
     for points, contact in zip(ends, attachments, strict=True):
-        seeds = np.unique(KDTree(points).query(contact)[1])
+        seeds = np.unique(cKDTree(points).query(contact)[1])
         distances = geodesic_distances(connected_knn_graph(points, GRAPH_NEIGHBORS), seeds)
         # Equivalent to scipy.stats.spearmanr, whose import takes a second.
         ranks.append(np.argsort(np.argsort(distances, kind="stable")))

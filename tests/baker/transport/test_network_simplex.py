@@ -19,11 +19,17 @@ def optimum(start, end, supply, demand, power):
     return linprog(cost, A_eq=np.vstack([rows, columns]), b_eq=np.concatenate([supply, demand])).fun
 
 
+def improve(start, end, near, edges, mass, stops, power, exhaustive):
+    n, points = len(start), np.concatenate([start, end])
+    near = np.concatenate([near[0], n + near[1]]).astype(np.int32)
+    plans = np.array([edges[0], n + np.asarray(edges[1]), mass])
+    rows, columns, flow = improve_cells(points, near, plans, np.array(stops), power, exhaustive)
+    return rows, columns - n, flow
+
+
 def improved(start, end, edges, mass, power=2):
     alone = tuple(np.arange(len(side))[:, None] for side in (start, end))
-    cells = [(*edges, mass)]
-    ((pairs, mass),) = improve_cells(start, end, alone, cells, power, exhaustive=True)
-    return *pairs, mass
+    return improve(start, end, alone, edges, mass, [len(mass)], power, True)
 
 
 def cost_of(start, end, rows, columns, mass, power=2):
@@ -89,15 +95,14 @@ def test_a_cell_is_solved_as_if_it_were_alone():
 def test_cells_that_are_solved_together_do_not_know_each_other():
     """Not even where the neighbours of a cell's points are in another cell."""
     start, end = leaf(60), leaf(60, 1.4, seed=3)
-    mass = np.full(30, 3)
-    parts = np.arange(60).reshape(2, 30)
-    cells = [(part, np.random.default_rng(1).permutation(part), mass) for part in parts]
+    mass, halves = np.full(30, 3), np.arange(60).reshape(2, 30)
+    cells = [(half, np.random.default_rng(1).permutation(half)) for half in halves]
     near = tuple(np.random.default_rng(2).integers(60, size=(60, 8)) for _ in range(2))
-    together = improve_cells(start, end, near, cells, 2, exhaustive=False)
-    for cell, (pairs, flow) in zip(cells, together, strict=True):
-        ((alone, mass),) = improve_cells(start, end, near, [cell], 2, exhaustive=False)
-        for found, expected in zip((*pairs, flow), (*alone, mass), strict=True):
-            np.testing.assert_array_equal(found, expected)
+    masses, edges = np.tile(mass, 2), tuple(map(np.concatenate, zip(*cells, strict=True)))
+    together = improve(start, end, near, edges, masses, [30, 60], 2, False)
+    alone = [improve(start, end, near, cell, mass, [30], 2, False) for cell in cells]
+    for found, expected in zip(together, zip(*alone, strict=True), strict=True):
+        np.testing.assert_array_equal(found, np.concatenate(expected))
 
 
 def test_neighbours_partners_lead_near_the_optimum():
@@ -107,9 +112,7 @@ def test_neighbours_partners_lead_near_the_optimum():
     supply, demand = uniform_masses(150, 210)
     edges, mass = bisection_plan(start, end, supply, demand, 0)
     near = tuple(cKDTree(side).query(side, np.arange(2, 8))[1] for side in (start, end))
-    cells = [(*edges, mass)]
-    ((pairs, mass),) = improve_cells(start, end, near, cells, 2, exhaustive=False)
-    plan = *pairs, mass
+    plan = improve(start, end, near, edges, mass, [len(mass)], 2, False)
     assert_sums(plan, supply, demand)
     assert cost_of(start, end, *plan) <= optimum(start, end, supply, demand, 2) * 1.001
 

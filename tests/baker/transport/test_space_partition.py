@@ -68,7 +68,8 @@ def test_expanding_a_plan_of_blocks_keeps_it(n, m, rows, columns):
         blocks(end, demand, columns),
     )
     edges, mass = bisection_plan(start, end, coarse_supply, coarse_demand, 1)
-    plan = refine_plan(supply, demand, edges, mass)
+    *pairs, handed = refine_plan(supply, demand, np.array([*edges, mass]))
+    plan = pairs, handed
     assert_feasible(plan, supply, demand)
     between, expected = np.zeros((2, len(start), len(end)), int)
     row, column = (
@@ -149,5 +150,5 @@ def test_refining_is_the_north_west_corner_rule(seed):
     # Every block of rows and of columns is two points, one of which may have nothing.
     supply = np.stack([s := coarse.sum(axis=1) // 3, coarse.sum(axis=1) - s], axis=1).ravel()
     demand = np.stack([d := coarse.sum(axis=0) // 2, coarse.sum(axis=0) - d], axis=1).ravel()
-    edges, handed = refine_plan(supply, demand, (rows, columns), mass)
-    np.testing.assert_array_equal([*edges, handed], north_west(columns, mass, supply, demand))
+    plan = refine_plan(supply, demand, np.array([rows, columns, mass]))
+    np.testing.assert_array_equal(plan, north_west(columns, mass, supply, demand))
