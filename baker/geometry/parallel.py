@@ -41,13 +41,7 @@ def thread_map(workers: int) -> Iterator[MapLike]:
 def reporting(map: MapLike, report_progress: ReportProgress, total: int) -> MapLike:
     """Wrap a map so that it reports the number of finished items, from 0 to `total`.
 
-    Parameters
-    ----------
-    map : map-like callable
-    report_progress : callable
-        Called with the number of finished items and their total.
-    total : int
-        The number of items of all calls together.
+    report_progress: called with that number and `total`, the number of items of all calls.
     """
     done = 0
     report_progress(0, total)

@@ -159,10 +159,13 @@ def solve_intervals(
             yield from (solve_interval(job, organ_map, workers) for job in jobs)
             return
         report_progress(0, total)
-        for job, interval in zip(jobs, map(solve_interval, jobs), strict=True):
-            done += len(job.tasks)
+        # The largest intervals first, so that threads finish at about the same time.
+        order = sorted(range(len(jobs)), key=lambda k: -len(jobs[k].end.positions))
+        solved = dict[int, Interval]()
+        for k, interval in zip(order, map(solve_interval, [jobs[k] for k in order]), strict=True):
+            solved[k], done = interval, done + len(jobs[k].tasks)
             report_progress(done, total)
-            yield interval
+        yield from (solved[k] for k in range(len(jobs)))
 
 
 def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> Interval:
