@@ -53,14 +53,7 @@ class AlignedSeries:
 
 
 def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:
-    """Transform the scans to the common frame.
-
-    Parameters
-    ----------
-    series : Series
-    alignment : Alignment
-        Of the same scans. Scans that it does not move stay exactly the same.
-    """
+    """Transform the scans to the common frame; those that do not move stay exactly the same."""
     keyframes = []
     scans = zip(series.scans, alignment.transforms, alignment.bases, strict=True)
     for scan, transform, base in scans:

@@ -59,12 +59,7 @@ def match_scores(
 
 
 def best_pairs(scores: NDArray[np.float64]) -> tuple[NDArray[np.intp], float]:
-    """Pair rows with columns so that the total score is greatest.
-
-    Parameters
-    ----------
-    scores : (n, m) float64
-        Pairs with a score of 0 or less are not made.
+    """Pair rows with columns so that the total score is greatest; pairs of 0 or less are not made.
 
     Returns the (p, 2) pairs, by row, and their total score.
     """
@@ -148,10 +143,13 @@ def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArr
     """(n, m) mean distance of the points of each young organ to each old one; inf if far apart."""
     from scipy.spatial import cKDTree
 
-    distances = np.full((len(young), len(old)), np.inf)
-    trees = [cKDTree(sample) for sample in old.samples]
-    for i, j in np.argwhere(_candidates(young, old)):
-        distances[i, j] = trees[j].query(young.samples[i])[0].mean()
+    distances, candidates = np.full((len(young), len(old)), np.inf), _candidates(young, old)
+    for j, sample in enumerate(old.samples):
+        near = np.flatnonzero(candidates[:, j])
+        points = [young.samples[i] for i in near]
+        counts = np.array([*map(len, points)])
+        gaps, _ = cKDTree(sample).query(np.concatenate(points))
+        distances[near, j] = np.add.reduceat(gaps, np.cumsum(counts) - counts) / counts
     return distances
 
 

@@ -80,16 +80,20 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
 
     organ: (n,) of each point of the sample; 0 is the stem.
     """
-    adjacency, organ = sample.graph.copy(), organ.copy()
+    from scipy.sparse import csr_matrix
+
+    adjacency, organ, each = sample.graph.copy(), organ.copy(), np.arange(len(organ) + 1)
     adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)
     adjacency = adjacency + adjacency.T
     while True:
-        is_of = np.eye(organ.max() + 1)[organ]  # (n, m) indicators of m organs
-        base = np.where(is_of > 0.0, sample.distance[:, None], np.inf).min(axis=0)
+        m = organ.max() + 1
+        is_of = csr_matrix((np.ones(len(organ)), organ, each), (len(organ), m))  # indicators
+        base = np.full(m, np.inf)
+        np.minimum.at(base, organ, sample.distance)
         is_beyond = sample.distance > base[organ] + BASE_LENGTH * sample.thickness
-        size, beyond_size = is_of.sum(axis=0), is_of[is_beyond].sum(axis=0)
+        size, beyond_size = (np.bincount(part, minlength=m) for part in (organ, organ[is_beyond]))
         # (m, m) number of points of the row's organ that touch the column's
-        touching = is_of[is_beyond].T @ (adjacency @ is_of > 0.0)[is_beyond]
+        touching = (is_of[is_beyond].T @ (adjacency @ is_of > 0.0)[is_beyond]).toarray()
         is_strip = (touching > MIN_TOUCHING_SHARE * beyond_size[:, None]) & (
             beyond_size[:, None] <= size
         )
