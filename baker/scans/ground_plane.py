@@ -174,7 +174,6 @@ def _rotation_to_z(up: Points) -> Points:
 
 def _median_of_medians(groups: Points, values: Points) -> float:
     """The median of the groups' medians: a stem has many points, but in few groups."""
-    order = np.lexsort((values, groups))
-    _, first, count = np.unique(groups[order], return_index=True, return_counts=True)
-    middle = first + (count - 1) // 2, first + count // 2
-    return float(np.median(values[order][np.array(middle)].mean(axis=0)))
+    from scipy.ndimage import median
+
+    return float(np.median(median(values, groups, np.unique(groups))))

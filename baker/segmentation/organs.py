@@ -82,21 +82,22 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
     """
     from scipy.sparse import csr_matrix
 
-    adjacency, organ, each = sample.graph.copy(), organ.copy(), np.arange(len(organ) + 1)
+    adjacency, organ = sample.graph.copy(), organ.copy()
+    row_starts = np.arange(len(organ) + 1)  # one entry in each row
     adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)
     adjacency = adjacency + adjacency.T
     while True:
         m = organ.max() + 1
-        is_of = csr_matrix((np.ones(len(organ)), organ, each), (len(organ), m))  # indicators
+        # (n, m) indicators of m organs
+        is_of = csr_matrix((np.ones(len(organ)), organ, row_starts), (len(organ), m))
         base = np.full(m, np.inf)
         np.minimum.at(base, organ, sample.distance)
         is_beyond = sample.distance > base[organ] + BASE_LENGTH * sample.thickness
         size, beyond_size = (np.bincount(part, minlength=m) for part in (organ, organ[is_beyond]))
         # (m, m) number of points of the row's organ that touch the column's
         touching = (is_of[is_beyond].T @ (adjacency @ is_of > 0.0)[is_beyond]).toarray()
-        is_strip = (touching > MIN_TOUCHING_SHARE * beyond_size[:, None]) & (
-            beyond_size[:, None] <= size
-        )
+        is_smaller = beyond_size[:, None] <= size
+        is_strip = is_smaller & (touching > MIN_TOUCHING_SHARE * beyond_size[:, None])
         is_strip[STEM] = False
         np.fill_diagonal(is_strip, False)
         if not is_strip.any():

@@ -24,9 +24,8 @@ from baker.transport.space_partition import bisection_order, blocks, refine_plan
 BLOCKS_OF_COARSEST_LEVEL = 64  # of either cloud
 BLOCKS_IN_A_BLOCK = 4, 2  # of the next level: on levels that are one cell, and on larger ones
 MIN_RATIO = 1.4  # of the number of points to that of the blocks of the level before
-STEPS = np.array(
-    [-3, -1, 1, 3], np.int32
-)  # in the orders of two bisections, from a point to its neighbours
+# In the orders of two bisections, from a point to its neighbours.
+STEPS = np.array([-3, -1, 1, 3], np.int32)
 POINTS_OF_CELL = 400  # of both clouds together, in the first sweep
 MAX_POINTS_OF_ONE_CELL = 3_000  # of both clouds; a smaller level is one cell
 MAX_POINTS_PRICED_AT_ONCE = 100  # of the smaller cloud; without neighbours, all pairs are priced

@@ -58,7 +58,7 @@ def refine_plan(supply: Masses, demand: Masses, plan: Coupling) -> Coupling:
     supply, demand: (n,) and (m,) masses of the points. The returned pairs are sorted by row, then
     column.
     """
-    from baker.transport.bisection import north_west_corner
+    from baker.transport.north_west_corner import north_west_corner
 
     return north_west_corner(supply, demand, plan.take(np.lexsort(plan[1::-1]), axis=1))
 
