@@ -45,6 +45,12 @@ def test_a_leaf_that_turns_does_not_turn_the_plant(plant):
     assert abs(refined_yaw(before, after, 4.0, False)) < 2.0
 
 
+def test_free_organs_are_not_paired_with_those_far_above(days):
+    before = standing(days[0])
+    above = before._replace(centers=before.centers + np.array([0.0, 0.0, 3.0 * before.height]))
+    assert direction_curve(before, above, False).max() < 0.1
+
+
 def test_a_bare_stem_is_not_turned():
     stem = standing(np.outer(np.linspace(0.0, 10.0, 200), [0.0, 0.0, 1.0]))
     assert fit_yaws([stem, stem, stem], False).yaw_indices == [0, 0]
