@@ -1,10 +1,18 @@
 // Fills the holes between points of one sample: every point is treated as a splat that covers the
 // samples around it, and each sample becomes the weighted mean of splats on the nearest surface.
 // The result is that of splat_sum.frag with centres rounded to samples, at a cost that does not
-// depend on the number of points. RADIUS_PX is the largest radius of a splat in samples.
+// depend on the number of points. Splats reach the REACH samples nearest to their centre, and their
+// cores the CORE_REACH nearest ones.
 #include "nearest_point.glsl"
 #include "gbuffer.glsl"
 #include "color.glsl"
+
+// Offsets of samples, nearest first.
+const ivec2 NEAREST[21] = ivec2[](
+    ivec2(0, 0), ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1), ivec2(1, 1), ivec2(-1, 1),
+    ivec2(1, -1), ivec2(-1, -1), ivec2(2, 0), ivec2(-2, 0), ivec2(0, 2), ivec2(0, -2), ivec2(2, 1),
+    ivec2(2, -1), ivec2(-2, 1), ivec2(-2, -1), ivec2(1, 2), ivec2(1, -2), ivec2(-1, 2), ivec2(-1, -2)
+);
 
 uniform usampler2D nearest;
 #if COLOR_FROM_TRACK
@@ -33,27 +41,24 @@ float radius_at(float view_depth) {
 void main() {
     ivec2 texel = ivec2(gl_FragCoord.xy);
     float surface = 1e30;  // depth behind which points are occluded
-    for (int y = -1; y <= 1; ++y) {  // cores have radii of less than two samples
-        for (int x = -1; x <= 1; ++x) {
-            uint code = code_at(texel + ivec2(x, y));
-            float depth = depth_of(code), splat = radius_at(depth), core = CORE * splat;
-            float behind = depth + THICKNESS * (splat - 0.5) * clip_w(depth) / focal_px;
-            bool hides = code != EMPTY && float(x * x + y * y) <= core * core;
-            surface = hides ? min(surface, behind) : surface;
-        }
+    for (int i = 0; i < CORE_REACH; ++i) {
+        uint code = code_at(texel + NEAREST[i]);
+        float depth = depth_of(code), splat = radius_at(depth), core = CORE * splat;
+        float behind = depth + THICKNESS * (splat - 0.5) * clip_w(depth) / focal_px;
+        bool hides = code != EMPTY && dot(vec2(NEAREST[i]), vec2(NEAREST[i])) <= core * core;
+        surface = hides ? min(surface, behind) : surface;
     }
     // All splats on the surface are about as large in the picture.
     float splat = radius_at(min(surface, depth_range.y)), inv_area = 1.0 / (splat * splat);
     vec4 color_sum = vec4(0.0);
     float depth_sum = 0.0;
-    for (int y = -RADIUS_PX; y <= RADIUS_PX; ++y) {
-        for (int x = -RADIUS_PX; x <= RADIUS_PX; ++x) {
-            uint code = code_at(texel + ivec2(x, y));
-            float depth = depth_of(code), falloff = max(1.0 - float(x * x + y * y) * inv_area, 0.0);
-            float weight = code == EMPTY || depth > surface ? 0.0 : falloff * falloff;
-            color_sum += vec4(color_of(code, texel + ivec2(x, y)), 1.0) * weight;
-            depth_sum += relative_depth(depth) * weight;
-        }
+    for (int i = 0; i < REACH; ++i) {
+        uint code = code_at(texel + NEAREST[i]);
+        float depth = depth_of(code), squared_px = dot(vec2(NEAREST[i]), vec2(NEAREST[i]));
+        float falloff = max(1.0 - squared_px * inv_area, 0.0);
+        float weight = code == EMPTY || depth > surface ? 0.0 : falloff * falloff;
+        color_sum += vec4(color_of(code, texel + NEAREST[i]), 1.0) * weight;
+        depth_sum += relative_depth(depth) * weight;
     }
     write_gbuffer(color_sum, depth_sum / max(color_sum.a, 1e-6), vec2(UNKNOWN), 1.0);
 }

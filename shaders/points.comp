@@ -12,7 +12,7 @@ layout(r32ui, binding = 0) uniform uimage2D nearest;
 layout(r32ui, binding = 1) uniform uimage2D picked;
 #endif
 uniform int count;
-uniform int stride;  // every n-th group of four points is drawn
+uniform int stride;  // every n-th group of eight points is drawn
 
 void draw(int point, vec3 curve[DEGREE + 1], uint track) {
     ivec2 texel;
@@ -29,20 +29,24 @@ void draw(int point, vec3 curve[DEGREE + 1], uint track) {
 #else
     if (imageLoad(nearest, texel).r == code) {
         vec3 color = point_color(curve, track, stored_start(point), stored_end(point));
-        imageAtomicMax(picked, texel, packed_rgb(color));
+        imageAtomicMin(picked, texel, packed_rgb(color));
     }
 #endif
 }
 
 void main() {
     int group = int(gl_GlobalInvocationID.x) * stride;
-    if (4 * group >= count) {
+    if (8 * group >= count) {
         return;
     }
     Curves curves = stored_curves(uint(group));
-    uint tracks[4] = stored_tracks(uint(group));
-    draw(4 * group, curve_of(curves, 0), tracks[0]);
-    draw(4 * group + 1, curve_of(curves, 1), tracks[1]);
-    draw(4 * group + 2, curve_of(curves, 2), tracks[2]);
-    draw(4 * group + 3, curve_of(curves, 3), tracks[3]);
+    uint tracks[8] = stored_tracks(uint(group));
+    draw(8 * group, curve_of(curves, 0), tracks[0]);
+    draw(8 * group + 1, curve_of(curves, 1), tracks[1]);
+    draw(8 * group + 2, curve_of(curves, 2), tracks[2]);
+    draw(8 * group + 3, curve_of(curves, 3), tracks[3]);
+    draw(8 * group + 4, curve_of(curves, 4), tracks[4]);
+    draw(8 * group + 5, curve_of(curves, 5), tracks[5]);
+    draw(8 * group + 6, curve_of(curves, 6), tracks[6]);
+    draw(8 * group + 7, curve_of(curves, 7), tracks[7]);
 }

@@ -53,22 +53,12 @@ def export(
 ) -> None:
     """Write a film, picture, page, geometry file or table atomically.
 
-    Parameters
-    ----------
-    clip : gclip.Clip
-    film : Film
-    path : Path
-        Its suffix selects the format.
-    progress : callable
-        Called with the number of steps done and of all steps.
-    force : bool
-        Whether to overwrite an existing file.
+    path:     its suffix selects the format.
+    progress: called with the number of steps done and of all steps.
+    force:    whether to overwrite an existing file.
 
-    Raises
-    ------
-    PlayerError
-        For an unknown suffix, a missing folder, an existing file, a size or frame rate that the
-        format cannot hold, missing OpenGL, or an encoder that fails.
+    Raises PlayerError for an unknown suffix, a missing folder, an existing file, a size or frame
+    rate that the format cannot hold, missing OpenGL, or an encoder that fails.
     """
     chosen = format_of(path, film, force)
     count = film.frame_count(clip)

@@ -52,6 +52,11 @@ class GBuffer:
         return self._create(nearest=(1, "u4"), picked=(1, "u4"), with_depth=True)
 
     @cached_property
+    def ones(self) -> moderngl.Buffer:
+        """Content of an empty texture of `points`, since moderngl cannot clear integers."""
+        return self.surface.ctx.buffer(b"\xff" * (4 * self.size[0] * self.size[1]))
+
+    @cached_property
     def front(self) -> moderngl.Framebuffer:
         """Relative depth of the nearest surface of splats in each sample."""
         return self._create(front=SCALAR, with_depth=True)

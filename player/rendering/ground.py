@@ -19,7 +19,7 @@ from player.view.style import GROUNDS, Style
 
 SHADOW_SIZE = 128  # texels along each side of the shadow texture
 CONTACT_HEIGHT = 0.12  # over which contact shadows fade by 1/e, as a share of half the floor's side
-SHADOW_POINTS = 10_000  # points that the shadow is computed from
+SHADOW_POINTS = 5_000  # points that the shadow is computed from
 MAX_CANDIDATES = 1 << 20  # points of each range from which these are sampled
 BACKGROUND_SIZE = 320, 180  # texels of the background, which has no edges, for pictures of any size
 

@@ -23,7 +23,7 @@ from player.gl.gpu_memory import total_gpu_memory
 MAX_BUFFER_SIZE = 96 << 20  # bytes of a chunk's positions (16 M points), which any driver allows
 SLICE = 1 << 20  # number of points that are uploaded at once
 MEMORY_SHARE = 0.6  # of the GPU's memory; the rest is left to framebuffers and other programs
-PADDING = 48  # bytes behind the last point, because compute shaders read four points at once
+PADDING = 96  # bytes behind the last point, because compute shaders read eight points at once
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class DrawRange:
 
     layer: Layer
     count: int  #: number of points from the layer's first one, a representative sample
-    #: every n-th of these points is drawn, or by compute shaders every n-th group of four; points
+    #: every n-th of these points is drawn, or by compute shaders every n-th group of eight; points
     #: in sequence are neighbours on the plant, so this leaves no gaps
     stride: int = 1
 

@@ -8,16 +8,18 @@ differ only where two points are equally near.
 
 from enum import StrEnum
 
-import moderngl
+import numpy as np
 
 from player.errors import PlayerError
 from player.gl.framebuffer import GBuffer, draw_into, textures_of
-from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.rendering.splats import SplatParams
 
 MAX_RADIUS_PX = 2.0  # samples; for larger splats, rounding the centres to samples would show
+SQUARED_DISTANCES = np.repeat([0, 1, 2, 4, 5], [1, 4, 4, 4, 8])  # of NEAREST in fill_holes.frag
+MAX_SHARE = 0.9  # of a splat's area: the weight of a sample there is 1 %
+CORE = 0.7  # as in shaders/depth.glsl
 
 
 class RasterBackend(StrEnum):
@@ -48,31 +50,32 @@ class PointRaster:
                 raise
             self.backend = RasterBackend.POINTS
             self.rasterise(gbuffer, ranges, splats)
-        radius_px = 1 if splats.typical_radius_px <= 1.5 else 2
         points = textures_of(gbuffer.points)
-        gbuffer.mark_tiles(points["nearest"], radius_px)
+        gbuffer.mark_tiles(points["nearest"], radius_px=2)  # the largest offset in NEAREST
+        radius = splats.radius * splats.px_per_unit(splats.nearest_depth)
+        radius = max(radius, splats.point_px_range[0] / 2) + 0.5  # as in fill_holes.frag
         uniforms = splats.uniforms | points | {"palette": self._points.palette}
-        macros = {"RADIUS_PX": radius_px, "COLOR_FROM_TRACK": int(self._points.color_from_track)}
+        macros = {
+            "REACH": np.searchsorted(SQUARED_DISTANCES, MAX_SHARE * radius**2),
+            "CORE_REACH": np.searchsorted(SQUARED_DISTANCES, (CORE * radius) ** 2, "right"),
+            "COLOR_FROM_TRACK": int(self._points.color_from_track),
+        }
         gbuffer.run("fill_holes", gbuffer.surface, "1", **macros, **uniforms)
 
     def rasterise(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
         """Find the nearest point in each sample, by one pass over all points."""
         uniforms = splats.uniforms
-        by_points = self.backend is RasterBackend.POINTS
-        clear_integers(gbuffer.passes, gbuffer.points, depth="<" if by_points else "")
-        if by_points:
+        nearest, picked = textures_of(gbuffer.points).values()
+        if self.backend is RasterBackend.POINTS:
+            draw_into(gbuffer.points, depth="<")
+            gbuffer.points.clear(depth=1.0)
+        nearest.write(gbuffer.ones)
+        if self.backend is RasterBackend.POINTS:
             self._points.draw("points", ranges, uniforms)
             return
-        nearest, picked = textures_of(gbuffer.points).values()
         nearest.bind_to_image(0, read=True, write=True)
         self._points.compute("points", ranges, uniforms, PICK=0)
         if not self._points.color_from_track:
+            picked.write(gbuffer.ones)
             picked.bind_to_image(1, read=True, write=True)
             self._points.compute("points", ranges, uniforms, PICK=1)
-
-
-def clear_integers(passes: Passes, target: moderngl.Framebuffer, depth: str = "<") -> None:
-    """Clear a framebuffer of unsigned integers and bind it for drawing with a depth function."""
-    draw_into(target, depth=depth and "1")
-    passes.run("clear_points")
-    draw_into(target, depth=depth)

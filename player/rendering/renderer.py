@@ -19,7 +19,7 @@ from player.gl.shader import Passes
 from player.rendering.ground import Ground
 from player.rendering.point_buffers import DrawRange, full_ranges
 from player.rendering.point_cloud import PointCloud
-from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend, clear_integers
+from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend
 from player.rendering.shading import shade, smooth_depths
 from player.rendering.splat_radius import ClosingDistances
 from player.rendering.splats import SplatParams, draw_behind, draw_splats
@@ -32,7 +32,7 @@ from player.view.style import Style
 FACING_SPLATS, ALIGNED_SPLATS = (2.3, 2.0), (2.6, 0.38)
 MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
 PICK_RADIUS = 10  # largest distance in pixels between a click and the organ that it picks
-NO_TRACK = 0xFFFFFFFF  # value of pixels without a point (clear_points.frag)
+NO_TRACK = 0xFFFFFFFF  # value of pixels without a point
 
 
 class Renderer:
@@ -149,7 +149,9 @@ class Renderer:
         standing = [drawn for drawn in ranges if not drawn.layer.litter]
         side = 2 * PICK_RADIUS + 1
         target = framebuffer(self.context, (side, side), tracks=(1, "u4"), with_depth=True)
-        clear_integers(self._passes, target)
+        draw_into(target, depth="<")
+        target.clear(depth=1.0)
+        textures_of(target)["tracks"].write(b"\xff" * (4 * side * side))
         x, y = int(position[0]), height - 1 - int(position[1])
         target.viewport = PICK_RADIUS - x, PICK_RADIUS - y, width, height
         self._points.draw("splat_pick", standing, splats.uniforms)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import moderngl
@@ -11,12 +12,13 @@ import pytest
 import player.rendering.renderer
 from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from player.rendering.points import RasterBackend
+from player.rendering.points import SQUARED_DISTANCES, RasterBackend
 from player.view.style import Style
+from shaders import source
 from tests.player.drawn import Picture, camera_at, drawn
 
 SIZE = (161, 119)
-COUNT = 30_001  # odd: compute shaders draw points by fours
+COUNT = 30_001  # odd: compute shaders draw points by eights
 
 
 def dense_clip(precision: str = "auto", colors: bool = False, tracks: int = 2) -> Clip:
@@ -103,3 +105,11 @@ def test_fewer_movers_show_the_same_plant(
     plant = whole.max(axis=2) > 60
     assert (some.max(axis=2) > 60).sum() == pytest.approx(plant.sum(), rel=0.1)
     assert np.abs(some - whole)[plant].mean() < 12
+
+
+def test_samples_around_a_point_are_sorted_by_distance() -> None:
+    text = source("fill_holes.frag")
+    offsets = re.findall(r"ivec2\((-?\d), (-?\d)\)", text.split("NEAREST[21]")[1].split(";")[0])
+    found = [int(x) ** 2 + int(y) ** 2 for x, y in offsets]
+    assert found == SQUARED_DISTANCES.tolist()
+    assert len(set(offsets)) == len(offsets)

@@ -8,8 +8,8 @@ uniform int count;
 void main() {
     int group = int(gl_GlobalInvocationID.x);
     Curves curves = stored_curves(uint(group));
-    for (int i = 0; i < 4; ++i) {
-        int point = 4 * group + i;
+    for (int i = 0; i < 8; ++i) {
+        int point = 8 * group + i;
         if (point < count) {
             vec3 position = bezier(curve_of(curves, i));
             for (int axis = 0; axis < 3; ++axis) {
