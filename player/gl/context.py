@@ -33,10 +33,7 @@ def headless() -> moderngl.Context:
 
 
 def from_window() -> moderngl.Context:
-    """Wrap the context that GLFW made current on this thread.
-
-    Raises PlayerError if the window offers less than OpenGL 3.3.
-    """
+    """Wrap GLFW's current context; raises PlayerError if it offers less than OpenGL 3.3."""
     try:
         return _created(require=VERSIONS[-1])
     except Exception as error:

@@ -2,8 +2,7 @@
 
 One pass over the points finds the nearest point in each sample, either by a compute shader with one
 atomic operation per point (OpenGL 4.3; after Schütz et al. 2021, "Rendering point clouds with
-compute shaders and vertex order optimization") or by OpenGL's point primitives (3.3). The results
-differ only where two points are equally near.
+compute shaders and vertex order optimization") or by OpenGL's point primitives (3.3).
 """
 
 from enum import StrEnum
@@ -52,8 +51,7 @@ class PointRaster:
             self.rasterise(gbuffer, ranges, splats)
         points = textures_of(gbuffer.points)
         gbuffer.mark_tiles(points["nearest"], radius_px=2)  # the largest offset in NEAREST
-        radius = splats.radius * splats.px_per_unit(splats.nearest_depth)
-        radius = max(radius, splats.point_px_range[0] / 2) + 0.5  # as in fill_holes.frag
+        radius = splats.largest_radius_px + 0.5  # as in fill_holes.frag
         uniforms = splats.uniforms | points | {"palette": self._points.palette}
         macros = {
             "REACH": np.searchsorted(SQUARED_DISTANCES, MAX_SHARE * radius**2),

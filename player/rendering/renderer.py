@@ -32,7 +32,6 @@ from player.view.style import Style
 FACING_SPLATS, ALIGNED_SPLATS = (2.3, 2.0), (2.6, 0.38)
 MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
 PICK_RADIUS = 10  # largest distance in pixels between a click and the organ that it picks
-NO_TRACK = 0xFFFFFFFF  # value of pixels without a point
 
 
 class Renderer:
@@ -118,7 +117,7 @@ class Renderer:
         if transparent:
             target.clear()
         else:
-            self._passes.run("blit", picture=background["background"])
+            self._ground.fill(target, splats, style)
         uniforms = textures_of(gbuffer.lit) | textures_of(gbuffer.tiles) | background
         uniforms |= {"tile_px": TILE // side, "SUPERSAMPLE": side}
         self._passes.run("picture", **uniforms, transparent=transparent)
@@ -151,13 +150,13 @@ class Renderer:
         target = framebuffer(self.context, (side, side), tracks=(1, "u4"), with_depth=True)
         draw_into(target, depth="<")
         target.clear(depth=1.0)
-        textures_of(target)["tracks"].write(b"\xff" * (4 * side * side))
+        pixels = textures_of(target)["tracks"]
+        pixels.write(b"\xff" * (4 * side * side))
         x, y = int(position[0]), height - 1 - int(position[1])
         target.viewport = PICK_RADIUS - x, PICK_RADIUS - y, width, height
         self._points.draw("splat_pick", standing, splats.uniforms)
-        pixels = textures_of(target)["tracks"].read()
-        tracks = np.frombuffer(pixels, np.uint32).reshape(side, side)
-        rows, columns = np.nonzero(tracks != NO_TRACK)
+        tracks = np.frombuffer(pixels.read(), np.uint32).reshape(side, side)
+        rows, columns = np.nonzero(~tracks)
         distances = np.hypot(rows - PICK_RADIUS, columns - PICK_RADIUS)
         if distances.min(initial=np.inf) > PICK_RADIUS:
             return None
@@ -182,10 +181,7 @@ class Renderer:
         stride: int,
         upload_budget: float | None,
     ) -> tuple[list[DrawRange], SplatParams]:
-        """Set colours, upload points, and return the ranges to draw and the splats to draw them as.
-
-        The parameters are those of `draw`.
-        """
+        """Set colours, upload points, and return what to draw; parameters: see `draw`."""
         self._points.set_colors(day, style)
         ranges = full_ranges(layers_at(self.clip, day), stride)
         if upload_budget is not None:

@@ -51,30 +51,26 @@ class SplatParams:
         return max(radius_px, self.point_px_range[0] / 2)
 
     @property
-    def _to_samples(self) -> Any:
-        """(4, 4) matrix to positions in samples times w, share of the depth range, and w."""
-        camera, view = self.camera, self.camera.view()
-        x, y, _, w = self.projection @ view
-        share = (-view[2] - (0.0, 0.0, 0.0, camera.near)) / (camera.far - camera.near)
-        return np.array([self.samples[0] / 2 * (x + w), self.samples[1] / 2 * (y + w), share, w])
-
-    @property
-    def nearest_depth(self) -> float:
-        """Least depth of the scene from the eye."""
-        return max(self.camera.eye_distance - self.scene_radius, self.camera.near)
+    def largest_radius_px(self) -> float:
+        """Radius of a splat in samples at the nearest depth of the scene."""
+        nearest = max(self.camera.eye_distance - self.scene_radius, self.camera.near)
+        return max(self.radius * self.px_per_unit(nearest), self.point_px_range[0] / 2)
 
     @cached_property
     def uniforms(self) -> dict[str, Any]:
         """Uniforms that the passes over points and over the picture have in common."""
-        projection = self.projection
+        camera, projection, view = self.camera, self.projection, self.camera.view()
+        x, y, _, w = projection @ view
+        share = (-view[2] - (0.0, 0.0, 0.0, camera.near)) / (camera.far - camera.near)
+        width, height = self.samples
         focal = (float(projection[0, 0]), float(projection[1, 1]))
         return {
-            "view": self.camera.view(),
+            "view": view,
             "projection": projection,
             "half_extent": (1.0 / focal[0], 1.0 / focal[1]),
             "samples": self.samples,
-            "to_samples": self._to_samples,
-            "depth_range": (self.camera.near, self.camera.far),
+            "to_samples": np.array([width / 2 * (x + w), height / 2 * (y + w), share, w]),
+            "depth_range": (camera.near, camera.far),
             "target_depth": self.camera.eye_distance,
             "scene_radius": self.scene_radius,
             "perspective": 0.0 if self.camera.orthographic else 1.0,
