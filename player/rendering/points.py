@@ -50,11 +50,12 @@ class PointRaster:
             self.backend = RasterBackend.POINTS
             self.rasterise(gbuffer, ranges, splats)
         points = textures_of(gbuffer.points)
-        gbuffer.mark_tiles(points["nearest"], radius_px=2)  # the largest offset in NEAREST
         radius = splats.largest_radius_px + 0.5  # as in fill_holes.frag
+        reach = np.searchsorted(SQUARED_DISTANCES, MAX_SHARE * radius**2)
+        gbuffer.mark_tiles(points["nearest"], 1 if reach <= 9 else 2)
         uniforms = splats.uniforms | points | {"palette": self._points.palette}
         macros = {
-            "REACH": np.searchsorted(SQUARED_DISTANCES, MAX_SHARE * radius**2),
+            "REACH": reach,
             "CORE_REACH": np.searchsorted(SQUARED_DISTANCES, (CORE * radius) ** 2, "right"),
             "COLOR_FROM_TRACK": int(self._points.color_from_track),
         }
