@@ -41,12 +41,7 @@ void main() {
     }
     Curves curves = stored_curves(uint(group));
     uint tracks[8] = stored_tracks(uint(group));
-    draw(8 * group, curve_of(curves, 0), tracks[0]);
-    draw(8 * group + 1, curve_of(curves, 1), tracks[1]);
-    draw(8 * group + 2, curve_of(curves, 2), tracks[2]);
-    draw(8 * group + 3, curve_of(curves, 3), tracks[3]);
-    draw(8 * group + 4, curve_of(curves, 4), tracks[4]);
-    draw(8 * group + 5, curve_of(curves, 5), tracks[5]);
-    draw(8 * group + 6, curve_of(curves, 6), tracks[6]);
-    draw(8 * group + 7, curve_of(curves, 7), tracks[7]);
+    for (int i = 0; i < 8; ++i) {
+        draw(8 * group + i, curve_of(curves, i), tracks[i]);
+    }
 }

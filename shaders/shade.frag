@@ -85,8 +85,7 @@ vec3 lit(ivec2 texel, vec3 albedo) {
     float open = exp(-2.2 * eye_dome * occlusion(texel, depth));
     vec3 ambient = mix(ambient_bottom, ambient_top, 0.5 + 0.5 * dot(normal, up_dir));
     float mirrored = max(dot(normal, normalize(to_lamp + to_eye)), 0.0);
-    float fourth = mirrored * mirrored * mirrored * mirrored;
-    float gloss = 0.05 * fourth * fourth * fourth * fourth * fourth;
+    float gloss = 0.05 * pow(mirrored, 20.0);
     float grazing = 1.0 - max(dot(normal, to_eye), 0.0);
     float edge = 0.10 * grazing * grazing * grazing;
     vec3 light = albedo * (ambient * open + key_light * direct * mix(open, 1.0, 0.3))

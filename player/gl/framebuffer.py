@@ -27,7 +27,6 @@ class GBuffer:
               reads one and writes the other.
     lit:      the light.
     tiles:    which tiles contain points (`mark_tiles`).
-    ones:     content of an empty texture of `points`, since moderngl cannot clear integers.
     """
 
     def __init__(self, context: moderngl.Context, passes: Passes, size: tuple[int, int]) -> None:
@@ -45,13 +44,17 @@ class GBuffer:
             read_only_depth.depth_mask = False
         across, down = (-(-side // TILE) for side in size)
         self._rows = framebuffer(context, (across, size[1]), source=(4, "f1"))
-        self.ones = context.buffer(b"\xff" * (4 * size[0] * size[1]))
         self.tiles = framebuffer(context, (across, down), tiles=(4, "f1"))
 
     @cached_property
     def points(self) -> moderngl.Framebuffer:
         """Code (nearest_point.glsl) and packed colour of the nearest point in each sample."""
         return self._create(nearest=(1, "u4"), picked=(1, "u4"), with_depth=True)
+
+    @cached_property
+    def ones(self) -> moderngl.Buffer:
+        """Content of an empty texture of `points`, since moderngl cannot clear integers."""
+        return self.surface.ctx.buffer(b"\xff" * (4 * self.size[0] * self.size[1]))
 
     @cached_property
     def front(self) -> moderngl.Framebuffer:

@@ -14,7 +14,7 @@ from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.rendering.splats import SplatParams
-from player.view.camera import Camera, axes, sampled_positions
+from player.view.camera import axes, sampled_positions
 from player.view.style import GROUNDS, Style
 
 SHADOW_SIZE = 128  # texels along each side of the shadow texture
@@ -35,8 +35,6 @@ class Ground:
         self._shadows = [create(side, transmittance=VECTOR) for _ in range(2)]
         self._background = create(BACKGROUND_SIZE, background=COLOR)
         self._to_square, self._half_side = floor_square(points.clip)
-        self._view: tuple[Any, ...] = ()
-        self._kept: moderngl.Framebuffer | None = None
 
     def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:
         """Render the shadow of some points.
@@ -73,33 +71,6 @@ class Ground:
             **textures_of(self._shadows[0]),
         )
         return textures_of(self._background)
-
-    def fill(self, target: moderngl.Framebuffer, splats: SplatParams, style: Style) -> None:
-        """Fill a picture with the background drawn last; where no shadow falls, it is kept."""
-        context, view = target.ctx, (splats.camera, style.ground, style.show_ground, target.size)
-        draw_into(target)
-        if self._kept is not None and view == self._view:
-            context.copy_framebuffer(target, self._kept)
-            target.scissor = self._square_in_picture(splats.camera, target.size)  # type: ignore
-        self._passes.run("blit", picture=textures_of(self._background)["background"])
-        target.scissor = None  # type: ignore[assignment]
-        if self._kept is None or self._kept.size != target.size:
-            self._kept = framebuffer(context, target.size, picture=(4, "f1"))
-        if view != self._view:
-            context.copy_framebuffer(self._kept, target)
-        self._view = view
-
-    def _square_in_picture(self, camera: Camera, size: tuple[int, int]) -> tuple[int, ...]:
-        """Left, bottom, width and height of the floor's square in pixels."""
-        corners = np.transpose([(x, y, 0.0, 1.0) for x in (-1.0, 1.0) for y in (-1.0, 1.0)])
-        x, y, _, w = camera.matrix(size[0] / size[1]) @ np.linalg.solve(self._to_square, corners)
-        if w.min() <= 0.0:  # a corner is behind the camera
-            return 0, 0, *size
-        at = (np.transpose([x / w, y / w]) + 1.0) / 2 * size
-        margin = 3.0 * np.divide(size, BACKGROUND_SIZE)  # for interpolation between texels
-        ends = [at.min(axis=0) - margin, at.max(axis=0) + margin]
-        low, high = np.clip(ends, 0, size).astype(int)
-        return *low.tolist(), *(high - low).tolist()
 
 
 def floor_square(clip: Clip) -> tuple[NDArray[np.float64], float]:

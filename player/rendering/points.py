@@ -2,7 +2,8 @@
 
 One pass over the points finds the nearest point in each sample, either by a compute shader with one
 atomic operation per point (OpenGL 4.3; after Schütz et al. 2021, "Rendering point clouds with
-compute shaders and vertex order optimization") or by OpenGL's point primitives (3.3).
+compute shaders and vertex order optimization") or by OpenGL's point primitives (3.3). The results
+differ only where two points are equally near.
 """
 
 from enum import StrEnum
@@ -17,7 +18,6 @@ from player.rendering.splats import SplatParams
 
 MAX_RADIUS_PX = 2.0  # samples; for larger splats, rounding the centres to samples would show
 SQUARED_DISTANCES = np.repeat([0, 1, 2, 4, 5], [1, 4, 4, 4, 8])  # of NEAREST in fill_holes.frag
-MAX_SHARE = 0.9  # of a splat's area: the weight of a sample there is 1 %
 CORE = 0.7  # as in shaders/depth.glsl
 
 
@@ -51,8 +51,8 @@ class PointRaster:
             self.rasterise(gbuffer, ranges, splats)
         points = textures_of(gbuffer.points)
         radius = splats.largest_radius_px + 0.5  # as in fill_holes.frag
-        reach = np.searchsorted(SQUARED_DISTANCES, MAX_SHARE * radius**2)
-        gbuffer.mark_tiles(points["nearest"], 1 if reach <= 9 else 2)
+        reach = np.searchsorted(SQUARED_DISTANCES, 0.9 * radius**2)  # weights beyond are below 1 %
+        gbuffer.mark_tiles(points["nearest"], int(SQUARED_DISTANCES[reach - 1] ** 0.5))
         uniforms = splats.uniforms | points | {"palette": self._points.palette}
         macros = {
             "REACH": reach,
@@ -67,11 +67,11 @@ class PointRaster:
         nearest, picked = textures_of(gbuffer.points).values()
         if self.backend is RasterBackend.POINTS:
             draw_into(gbuffer.points, depth="<")
-            gbuffer.points.clear(depth=1.0)
-        nearest.write(gbuffer.ones)
-        if self.backend is RasterBackend.POINTS:
+            gbuffer.points.clear(depth=1.0)  # leaves integers undefined
+            nearest.write(gbuffer.ones)
             self._points.draw("points", ranges, uniforms)
             return
+        nearest.write(gbuffer.ones)
         nearest.bind_to_image(0, read=True, write=True)
         self._points.compute("points", ranges, uniforms, PICK=0)
         if not self._points.color_from_track:

@@ -117,7 +117,7 @@ class Renderer:
         if transparent:
             target.clear()
         else:
-            self._ground.fill(target, splats, style)
+            self._passes.run("blit", picture=background["background"])
         uniforms = textures_of(gbuffer.lit) | textures_of(gbuffer.tiles) | background
         uniforms |= {"tile_px": TILE // side, "SUPERSAMPLE": side}
         self._passes.run("picture", **uniforms, transparent=transparent)
@@ -156,7 +156,7 @@ class Renderer:
         target.viewport = PICK_RADIUS - x, PICK_RADIUS - y, width, height
         self._points.draw("splat_pick", standing, splats.uniforms)
         tracks = np.frombuffer(pixels.read(), np.uint32).reshape(side, side)
-        rows, columns = np.nonzero(~tracks)
+        rows, columns = np.nonzero(~tracks)  # all bits are set where no point is
         distances = np.hypot(rows - PICK_RADIUS, columns - PICK_RADIUS)
         if distances.min(initial=np.inf) > PICK_RADIUS:
             return None

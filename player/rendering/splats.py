@@ -63,11 +63,10 @@ class SplatParams:
         x, y, _, w = projection @ view
         share = (-view[2] - (0.0, 0.0, 0.0, camera.near)) / (camera.far - camera.near)
         width, height = self.samples
-        focal = (float(projection[0, 0]), float(projection[1, 1]))
         return {
             "view": view,
             "projection": projection,
-            "half_extent": (1.0 / focal[0], 1.0 / focal[1]),
+            "half_extent": (1.0 / float(projection[0, 0]), 1.0 / float(projection[1, 1])),
             "samples": self.samples,
             "to_samples": np.array([width / 2 * (x + w), height / 2 * (y + w), share, w]),
             "depth_range": (camera.near, camera.far),

@@ -64,14 +64,31 @@ def show(
 
     After a reset of the graphics driver a new window continues with the same scene.
 
-    name:    title of a clip that is given without one.
-    size:    (width, height) of the window in units of 1/96 inch.
-    changes: fields of the first scene by name.
-    watch:   called with the scene after each frame.
-    profile: whether to print the GPU time of each render pass at the end.
+    Parameters
+    ----------
+    clips : Clip or sequence of OpenClip
+    style : Style, optional
+        Initial style.
+    name : str
+        Title of a clip that is given without a name.
+    size : tuple of int
+        (width, height) of the window in units of 1/96 inch.
+    changes : mapping
+        Fields of the first scene by name.
+    watch : callable
+        Called with the scene after each frame.
+    profile : bool
+        Whether to print the GPU time of each render pass at the end.
 
-    Returns the last scene, and the final size of the window. Raises PlayerError if there is no
-    display, no OpenGL 3.3, or too little GPU memory.
+    Returns
+    -------
+    Scene, tuple of int
+        The last scene, and the final size of the window.
+
+    Raises
+    ------
+    PlayerError
+        If there is no display, no OpenGL 3.3, or too little GPU memory.
     """
     entries = tuple(clips) if isinstance(clips, Sequence) else (OpenClip(clips, name),)
     lost_scenes: list[Scene] = []

@@ -51,7 +51,19 @@ def write(clip: Clip, film: Film, path: Path, progress: Progress) -> None:
 
 
 def iframe(clip: Clip, height: int = FRAME_HEIGHT) -> str:
-    """The page of a clip in an ``<iframe>`` element for notebooks, ``height`` pixels high."""
+    """Embed the page of a clip in an HTML frame, for notebooks.
+
+    Parameters
+    ----------
+    clip : gclip.Clip
+    height : int
+        Of the frame in pixels; its width is that of the notebook.
+
+    Returns
+    -------
+    str
+        An ``<iframe>`` element that needs no other files.
+    """
     page = escape("".join(_page(clip, Film(name="plant"), lambda done, total: None)))
     return f'<iframe srcdoc="{page}" width="100%" height="{height}" style="border: 0"></iframe>'
 

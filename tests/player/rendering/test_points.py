@@ -12,7 +12,8 @@ import pytest
 import player.rendering.renderer
 from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
-from player.rendering.points import SQUARED_DISTANCES, RasterBackend
+from player.gl.framebuffer import GBuffer
+from player.rendering.points import CORE, SQUARED_DISTANCES, RasterBackend
 from player.view.style import Style
 from shaders import source
 from tests.player.drawn import Picture, camera_at, drawn
@@ -113,3 +114,26 @@ def test_samples_around_a_point_are_sorted_by_distance() -> None:
     found = [int(x) ** 2 + int(y) ** 2 for x, y in offsets]
     assert found == SQUARED_DISTANCES.tolist()
     assert len(set(offsets)) == len(offsets)
+    assert f"CORE = {CORE}," in text
+
+
+@pytest.mark.parametrize("point_size", [0.3, 0.7, 1.0, 1.4])
+@pytest.mark.parametrize("zoom", [0.7, 1.0, 1.5])
+def test_samples_that_no_splat_reaches_are_left_out(
+    context: moderngl.Context, monkeypatch: pytest.MonkeyPatch, point_size: float, zoom: float
+) -> None:
+    clip, style = dense_clip(), Style(point_size=point_size, show_ground=False)
+    camera, run, reached = camera_at(clip, SIZE, -80, 0.1).zoom(zoom), GBuffer.run, []
+
+    def with_all_samples(self: GBuffer, name: str, *arguments: Any, **values: Any) -> None:
+        if name == "fill_holes":
+            reached.append(values["REACH"])
+            values |= {"REACH": 21, "CORE_REACH": 21}
+        run(self, name, *arguments, **values)
+
+    found = drawn(context, clip, 0.4, camera, SIZE, style)
+    monkeypatch.setattr(GBuffer, "run", with_all_samples)
+    wanted = drawn(context, clip, 0.4, camera, SIZE, style)
+    assert reached
+    difference = np.abs(found - wanted).max(axis=2)
+    assert (difference > 2).mean() < 0.001

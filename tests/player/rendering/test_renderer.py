@@ -191,24 +191,3 @@ def test_all_splats_are_in_the_tiles_that_are_drawn(
     for name, (tiled, whole) in pictures.items():
         np.testing.assert_array_equal(tiled, whole, err_msg=name)
     assert min(cover(tiled) for name, (tiled, _) in pictures.items() if "aside" not in name) > 0
-
-
-@pytest.mark.parametrize("ground", ["dark", "light"])
-def test_a_background_that_is_kept_is_the_one_that_is_drawn(
-    context: moderngl.Context, make_clip, ground: str
-) -> None:
-    """The shadow moves, the view stands still, or changes, and so does the picture's size."""
-    clip, style = make_clip(degree=2), Style(ground=ground)
-    usual = camera_at(clip, SIZE, -90, 0.1)
-    steep = camera_at(clip, SIZE, -30, 1.0)
-    cameras = [usual, steep, usual.zoom(50.0), usual.with_orthographic(True), steep.zoom(0.3)]
-    renderer = Renderer(context, clip, 1)
-    for camera in cameras:
-        for size, day in ((SIZE, 0.0), (SIZE, 1.5), (SIZE, 2.2), ((200, 120), 2.2), (SIZE, 0.0)):
-            framebuffer = context.simple_framebuffer(size)
-            renderer.draw(framebuffer, day, camera, style, size)
-            found, fresh = read_pixels(framebuffer), Renderer(context, clip, 1)
-            fresh.draw(framebuffer, day, camera, style, size)
-            np.testing.assert_array_equal(found, read_pixels(framebuffer))
-            fresh.release()
-    renderer.release()
