@@ -45,7 +45,6 @@ from player.gl.context import headless
 from player.gl.timers import profile_table
 from player.rendering.headless import Offscreen
 from player.rendering.point_buffers import bytes_per_point
-from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
@@ -126,16 +125,16 @@ def _draw_times(
     camera = Camera.home(clip, size[0] / size[1], turning=True)
     renderer.draw(framebuffer, 0.5, camera, Style(), size)
 
-    def rasterise(backend: RasterBackend) -> None:
+    def rasterise(compute: bool) -> None:
         ranges, splats = renderer._prepare(0.5, camera, Style(), size, 1, None)
-        renderer._raster.backend = backend
+        renderer._raster.compute = compute
         renderer._raster.rasterise(renderer._gbuffer_of(size), ranges, splats)
 
     works: list[Callable[[], object]] = [
         lambda: renderer.draw(framebuffer, 0.5, camera, Style(), size),
-        partial(rasterise, RasterBackend.POINTS),
+        partial(rasterise, False),
     ]
-    works += [partial(rasterise, RasterBackend.COMPUTE)] * (context.version_code >= 430)
+    works += [partial(rasterise, True)] * (context.version_code >= 430)
     best, profile = [0.0, 0.0, 0.0], ""
     for k, work in enumerate(works):
         _finished(context, work)  # compiles the shaders, uploads the movers

@@ -6,6 +6,7 @@ Rules that types can't express, such as attributes that contradict each other, a
 
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
@@ -157,7 +158,7 @@ class Interval:
         has_both = (self.start_colors is None) == (self.end_colors is None)
         _require(has_both, "one of its buffers start_color and end_color is missing")
 
-    @property
+    @cached_property
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Lower and upper corner of the bounding box of all curves, with control points."""
         corners = extent(*self.curve) if self.box is None else (self.box.low, self.box.high)

@@ -5,8 +5,8 @@ uniform sampler2D transmittance;
 uniform vec2 direction;  // one texel along the blur's direction
 out vec2 out_transmittance;
 
-const int TAPS = 17;                 // number of samples, at distances of two texels
-const vec2 SIGMA = vec2(1.3, 6.0);   // standard deviations in texels: contact, ambient
+const int TAPS = 13;                 // number of samples, at distances of two texels
+const vec2 SIGMA = vec2(1.0, 4.5);   // standard deviations in texels: contact, ambient
 
 void main() {
     vec2 sum = vec2(0.0), total = vec2(0.0);

@@ -15,7 +15,9 @@ void main() {
     }
     plant /= float(SUPERSAMPLE * SUPERSAMPLE);
     vec2 at = gl_FragCoord.xy * float(SUPERSAMPLE) / vec2(textureSize(light, 0));
-    vec3 behind = srgb_to_linear(texture(background, at).rgb);
-    vec3 linear = transparent ? plant.rgb / max(plant.a, 1e-4) : plant.rgb + (1.0 - plant.a) * behind;
-    out_color = vec4(dithered(linear_to_srgb(linear)), transparent ? plant.a : 1.0);
+    vec3 behind = texture(background, at).rgb;
+    vec3 linear = transparent ? plant.rgb / max(plant.a, 1e-4)
+                              : plant.rgb + (1.0 - plant.a) * srgb_to_linear(behind);
+    vec3 srgb = transparent || plant.a > 0.0 ? linear_to_srgb(linear) : behind;
+    out_color = vec4(dithered(srgb), transparent ? plant.a : 1.0);
 }

@@ -130,9 +130,7 @@ def check_look(film: Film, path: Path, force: bool) -> None:
 
 
 FORMATS: tuple[Format, ...] = (
-    Format(
-        "film.mp4", "film that plays everywhere", video.write, "picture", other_suffixes=(".mov",)
-    ),
+    Format("film.mp4", "film that plays everywhere", video.write, "picture", 0, (".mov",)),
     Format("film.gif", "film for pages and slides", video.write_gif, "picture"),
     Format("film.webm", "film for web pages (VP9)", video.write, "picture"),
     Format("still.png", "one picture", image.write, "picture", 1, image.JPEG_SUFFIXES),
@@ -141,12 +139,7 @@ FORMATS: tuple[Format, ...] = (
     Format("cloud.ply", "one point cloud, for any program", ply.write, "points", 1),
     Format("clouds/%04d.ply", "point clouds, one a frame, for Blender", ply.write, "points", 2),
     Format("plant.glb", "animated points, for Blender, three.js (glTF)", gltf.write, "points"),
-    Format(
-        "plant.usd",
-        "points with time samples, for Houdini, Omniverse, Unreal",
-        usd.write,
-        "points",
-        other_suffixes=(".usda", ".usdc", ".usdz"),
-    ),
+    Format("plant.usd", "points with time samples, for Houdini, Omniverse, Unreal", usd.write,
+           "points", 0, (".usda", ".usdc", ".usdz")),
     Format("traits.csv", "lengths, areas, growth of each organ", table.write, "numbers", 2),
-)
+)  # fmt: skip

@@ -6,7 +6,7 @@ from typing import Any, cast
 import moderngl
 
 from player.gl.gl_errors import allocating
-from player.gl.shader import Passes
+from player.gl.shader import Box, Passes
 
 TILE = 16  # side of a tile in samples; passes over the picture skip tiles without points
 COLOR, SCALAR, VECTOR = (4, "f2"), (1, "f4"), (2, "f2")  # number and type of channels
@@ -27,6 +27,7 @@ class GBuffer:
               reads one and writes the other.
     lit:      the light.
     tiles:    which tiles contain points (`mark_tiles`).
+    region:   left and bottom edge, width and height, in tiles, of the part with points.
     """
 
     def __init__(self, context: moderngl.Context, passes: Passes, size: tuple[int, int]) -> None:
@@ -37,7 +38,8 @@ class GBuffer:
         self.surface = self._create(**kinds, light=COLOR, with_depth=True)
         plant, textures = self.surface.depth_attachment, textures_of(self.surface)
         self.behind = self._create(**{name: textures[name] for name in kinds}, depth=plant)
-        depths = textures["depths"], SCALAR
+        self._depths = self._create(depths=textures["depths"], others=SCALAR)
+        depths = textures_of(self._depths).values()
         self.filtered = [self._create(depths=kind, depth=plant) for kind in depths]
         self.lit = self._create(light=textures["light"], depth=plant)
         for read_only_depth in (*self.filtered, self.lit):
@@ -45,6 +47,7 @@ class GBuffer:
         across, down = (-(-side // TILE) for side in size)
         self._rows = framebuffer(context, (across, size[1]), source=(4, "f1"))
         self.tiles = framebuffer(context, (across, down), tiles=(4, "f1"))
+        self.region: Box = (0, 0, across, down)
 
     @cached_property
     def points(self) -> moderngl.Framebuffer:
@@ -72,6 +75,9 @@ class GBuffer:
     def mark_tiles(self, points: moderngl.Texture, radius_px: int = 0) -> None:
         """Mark tiles with points (sums of splats, or codes) in them or so near in samples."""
         run = partial(self.passes.run, "tiles", RADIUS_PX=radius_px)
+        left, bottom, width, height = self.region
+        self._rows.viewport = left, bottom * TILE, width, height * TILE
+        self.tiles.viewport = self.region
         draw_into(self._rows)
         run(source=points, direction=(1, 0), CODES=int(points.dtype == "u4"))
         draw_into(self.tiles)
@@ -80,12 +86,11 @@ class GBuffer:
     def run(self, name: str, target: moderngl.Framebuffer, *state: Any, **values: Any) -> None:
         """Run a fragment shader in marked tiles of a framebuffer; state: see `draw_into`."""
         draw_into(target, *state)
-        self.passes.run(name, **textures_of(self.tiles), tile_px=TILE, **values)
+        self.passes.run(name, **textures_of(self.tiles), region=self.region, tile_px=TILE, **values)
 
     def clear(self) -> None:
         """Clear depths, which are read beside the plant, too; other textures are not."""
-        for depths in self.filtered:
-            depths.clear(NO_DEPTH)
+        self._depths.clear(NO_DEPTH, NO_DEPTH)
 
 
 def draw_into(

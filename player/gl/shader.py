@@ -42,9 +42,8 @@ def set_uniforms(program: moderngl.Program | moderngl.ComputeShader, **values: A
     """
     units = itertools.count()
     for name, value in values.items():
-        if name not in program:
+        if (uniform := cast(moderngl.Uniform | None, program.get(name, None))) is None:
             continue
-        uniform = cast(moderngl.Uniform, program[name])
         if isinstance(value, np.ndarray):
             uniform.write(np.ascontiguousarray(value.T, np.float32).tobytes())
         elif isinstance(value, moderngl.Texture):
@@ -53,6 +52,10 @@ def set_uniforms(program: moderngl.Program | moderngl.ComputeShader, **values: A
             uniform.value = unit
         else:
             uniform.value = value
+
+
+Box = tuple[int, int, int, int]  # left and bottom edge, width and height
+WHOLE: Box = (0, 0, 0, 0)
 
 
 class Passes:
@@ -71,11 +74,12 @@ class Passes:
         self._arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
 
     def run(
-        self, name: str, tiles: moderngl.Texture | None = None, tile_px: int = 0, **values: Any
+        self, name: str, tiles: Any = None, region: Box = WHOLE, tile_px: int = 0, **values: Any
     ) -> None:
-        """Run ``<name>.frag`` for every pixel of the current framebuffer.
+        """Run ``<name>.frag`` for every pixel of the current viewport.
 
-        tiles:   one texel for each tile of the picture; tiles with a 0 are skipped (tile.vert).
+        tiles:   texture of one texel for each tile of the picture; tiles with a 0 are skipped.
+        region:  part of the picture, in tiles, of which the others are skipped.
         tile_px: side of a tile in pixels of the framebuffer.
         values:  uniforms, and macros in upper case.
         """
@@ -86,10 +90,11 @@ class Passes:
             program = compile_program(self._context, *files, **macros)
             self._arrays[key] = self._context.vertex_array(program, [])
         array = self._arrays[key]
-        set_uniforms(array.program, **values, occupied=tiles, tile_px=tile_px)
+        set_uniforms(array.program, **values, occupied=tiles, tile_px=tile_px, region=region)
         mode, vertices = moderngl.TRIANGLES, 3
-        if tiles:  # those at the border may extend beyond the framebuffer
-            mode, vertices = moderngl.POINTS, tiles.width * tiles.height
-            self._context.viewport = (0, 0, tile_px * tiles.width, tile_px * tiles.height)
+        if tiles:
+            mode, vertices = moderngl.POINTS, region[2] * region[3]
+            left, bottom, width, height = (tile_px * side for side in region)
+            self._context.viewport = left, bottom, width, height
         with nullcontext() if self._timers is None else self._timers.timed(name):
             array.render(mode, vertices=vertices)

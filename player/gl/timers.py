@@ -10,20 +10,25 @@ import moderngl
 class PassTimers:
     """Measures the passes of one renderer, frame by frame.
 
-    frames: number of measured frames.
-    totals: seconds of each pass by its name, summed over the frames.
+    enabled: whether to measure, which takes time itself.
+    frames:  number of measured frames.
+    totals:  seconds of each pass by its name, summed over the frames.
     """
 
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
         self._idle: list[moderngl.Query] = []
         self._running: list[tuple[str, moderngl.Query]] = []
+        self.enabled = True
         self.frames = 0
         self.totals: defaultdict[str, float] = defaultdict(float)
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
         """Measure one pass; OpenGL does not allow nested timer queries."""
+        if not self.enabled:
+            yield
+            return
         query = self._idle.pop() if self._idle else self._context.query(time=True)
         with query:
             yield

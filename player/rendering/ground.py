@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.gl.framebuffer import COLOR, VECTOR, draw_into, framebuffer, textures_of
+from player.gl.framebuffer import VECTOR, draw_into, framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -17,11 +17,11 @@ from player.rendering.splats import SplatParams
 from player.view.camera import axes, sampled_positions
 from player.view.style import GROUNDS, Style
 
-SHADOW_SIZE = 128  # texels along each side of the shadow texture
+SHADOW_SIZE = 96  # texels along each side of the shadow texture
 CONTACT_HEIGHT = 0.12  # over which contact shadows fade by 1/e, as a share of half the floor's side
-SHADOW_POINTS = 5_000  # points that the shadow is computed from
+SHADOW_POINTS = 2_500  # points that the shadow is computed from
 MAX_CANDIDATES = 1 << 20  # points of each range from which these are sampled
-BACKGROUND_SIZE = 320, 180  # texels of the background, which has no edges, for pictures of any size
+BACKGROUND_SIZE = 256, 144  # texels of the background, which has no edges, for pictures of any size
 
 
 class Ground:
@@ -33,7 +33,7 @@ class Ground:
         create = partial(framebuffer, points.context, linear=True)
         side = (SHADOW_SIZE, SHADOW_SIZE)
         self._shadows = [create(side, transmittance=VECTOR) for _ in range(2)]
-        self._background = create(BACKGROUND_SIZE, background=COLOR)
+        self._background = create(BACKGROUND_SIZE, background=(4, "f4"))
         self._to_square, self._half_side = floor_square(points.clip)
 
     def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:

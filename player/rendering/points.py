@@ -6,8 +6,6 @@ compute shaders and vertex order optimization") or by OpenGL's point primitives 
 differ only where two points are equally near.
 """
 
-from enum import StrEnum
-
 import numpy as np
 
 from player.errors import PlayerError
@@ -21,23 +19,14 @@ SQUARED_DISTANCES = np.repeat([0, 1, 2, 4, 5], [1, 4, 4, 4, 8])  # of NEAREST in
 CORE = 0.7  # as in shaders/depth.glsl
 
 
-class RasterBackend(StrEnum):
-    """How points are rasterised."""
-
-    POINTS = "points"
-    COMPUTE = "compute"
-
-
 class PointRaster:
     """Draws points of one sample, and fills the holes between them.
 
-    backend: by default compute shaders, if the context supports them.
+    compute: whether to use compute shaders, if the context supports them.
     """
 
-    def __init__(self, points: PointCloud, backend: RasterBackend | None = None) -> None:
-        has_compute = points.context.version_code >= 430
-        preferred = backend or RasterBackend.COMPUTE
-        self.backend = preferred if has_compute else RasterBackend.POINTS
+    def __init__(self, points: PointCloud, compute: bool) -> None:
+        self.compute = compute and points.context.version_code >= 430
         self._points = points
 
     def draw(self, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams) -> None:
@@ -45,12 +34,12 @@ class PointRaster:
         try:
             self.rasterise(gbuffer, ranges, splats)
         except PlayerError:  # some drivers offer compute shaders, but fail to compile them
-            if self.backend is RasterBackend.POINTS:
+            if not self.compute:
                 raise
-            self.backend = RasterBackend.POINTS
+            self.compute = False
             self.rasterise(gbuffer, ranges, splats)
         points = textures_of(gbuffer.points)
-        radius = splats.largest_radius_px + 0.5  # as in fill_holes.frag
+        radius = splats.radius_px(1.0) + 0.5  # of the nearest splat, as in fill_holes.frag
         reach = np.searchsorted(SQUARED_DISTANCES, 0.9 * radius**2)  # weights beyond are below 1 %
         gbuffer.mark_tiles(points["nearest"], int(SQUARED_DISTANCES[reach - 1] ** 0.5))
         uniforms = splats.uniforms | points | {"palette": self._points.palette}
@@ -65,7 +54,7 @@ class PointRaster:
         """Find the nearest point in each sample, by one pass over all points."""
         uniforms = splats.uniforms
         nearest, picked = textures_of(gbuffer.points).values()
-        if self.backend is RasterBackend.POINTS:
+        if not self.compute:
             draw_into(gbuffer.points, depth="<")
             gbuffer.points.clear(depth=1.0)  # leaves integers undefined
             nearest.write(gbuffer.ones)

@@ -19,7 +19,7 @@ from player.gl.shader import Passes
 from player.rendering.ground import Ground
 from player.rendering.point_buffers import DrawRange, full_ranges
 from player.rendering.point_cloud import PointCloud
-from player.rendering.points import MAX_RADIUS_PX, PointRaster, RasterBackend
+from player.rendering.points import MAX_RADIUS_PX, PointRaster
 from player.rendering.shading import shade, smooth_depths
 from player.rendering.splat_radius import ClosingDistances
 from player.rendering.splats import SplatParams, draw_behind, draw_splats
@@ -38,7 +38,7 @@ class Renderer:
     """Draws one clip in one context.
 
     supersample: samples along each side of a pixel where splats have no soft outlines of their own.
-    backend:     draws small splats; by default compute shaders, if the context supports them.
+    compute:     whether compute shaders draw small splats, if the context supports them.
     memory:      bytes of GPU memory for points; by default a share of what the driver reports.
     gpu_seconds: GPU time of the last picture but one, which is complete once the last one is drawn.
     """
@@ -49,7 +49,7 @@ class Renderer:
         clip: Clip,
         supersample: int = 1,
         *,
-        backend: RasterBackend | None = None,
+        compute: bool = True,
         memory: int | None = None,
     ) -> None:
         self.context = context
@@ -59,7 +59,7 @@ class Renderer:
         self._points = PointCloud(context, clip, memory)
         self.timers = self._points.timers
         self._passes = Passes(context, self.timers, TILE=TILE)
-        self._raster = PointRaster(self._points, backend)
+        self._raster = PointRaster(self._points, compute)
         self._ground = Ground(self._points, self._passes)
         self._closing = ClosingDistances(clip)
         self._gbuffer: GBuffer | None = None
@@ -92,12 +92,14 @@ class Renderer:
         self.context.gc()
         self.gpu_seconds = self.timers.finish_frame()
         ranges, splats = self._prepare(day, camera, style, size, stride, upload_budget)
-        side = self.supersample if splats.typical_radius_px <= MAX_RADIUS_PX else 1
+        side = self.supersample if splats.radius_px() <= MAX_RADIUS_PX else 1
         diameters = (side * MIN_POINT_PX, self._max_point_px)
         splats = replace(splats, samples=(side * size[0], side * size[1]), point_px_range=diameters)
         gbuffer, points = self._gbuffer_of(splats.samples), self._points
+        intervals = (self.clip.intervals[drawn.layer.interval] for drawn in ranges)
+        gbuffer.region = splats.region(interval.bounds for interval in intervals)
         gbuffer.clear()
-        are_points = splats.typical_radius_px <= MAX_RADIUS_PX
+        are_points = splats.radius_px() <= MAX_RADIUS_PX
         if are_points:
             self._raster.draw(gbuffer, ranges, splats)
         else:
@@ -119,7 +121,7 @@ class Renderer:
         else:
             self._passes.run("blit", picture=background["background"])
         uniforms = textures_of(gbuffer.lit) | textures_of(gbuffer.tiles) | background
-        uniforms |= {"tile_px": TILE // side, "SUPERSAMPLE": side}
+        uniforms |= {"region": gbuffer.region, "tile_px": TILE // side, "SUPERSAMPLE": side}
         self._passes.run("picture", **uniforms, transparent=transparent)
         target.viewport = (0, 0, *size)
         if upload_budget is not None:

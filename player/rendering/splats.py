@@ -1,14 +1,18 @@
 """Surface splatting: points drawn as overlapping discs that are larger than a sample."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
 from typing import Any
 
 import moderngl
 import numpy as np
+from numpy.typing import ArrayLike
 
-from player.gl.framebuffer import NO_DEPTH, GBuffer, draw_into, textures_of
+from player.gl.framebuffer import NO_DEPTH, TILE, GBuffer, draw_into, textures_of
+from player.gl.shader import Box
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.view.camera import Camera
@@ -44,17 +48,22 @@ class SplatParams:
         """Samples per unit of length at a depth from the eye."""
         return self.focal_px / (1.0 if self.camera.orthographic else view_depth)
 
-    @property
-    def typical_radius_px(self) -> float:
-        """Radius of a splat in samples, at the depth of the camera's target."""
-        radius_px = self.radius * self.px_per_unit(self.camera.eye_distance)
-        return max(radius_px, self.point_px_range[0] / 2)
+    def radius_px(self, before: float = 0.0) -> float:
+        """Radius of a splat in samples, so many scene radii before the camera's target."""
+        depth = max(self.camera.eye_distance - before * self.scene_radius, self.camera.near)
+        return max(self.radius * self.px_per_unit(depth), self.point_px_range[0] / 2)
 
-    @property
-    def largest_radius_px(self) -> float:
-        """Radius of a splat in samples at the nearest depth of the scene."""
-        nearest = max(self.camera.eye_distance - self.scene_radius, self.camera.near)
-        return max(self.radius * self.px_per_unit(nearest), self.point_px_range[0] / 2)
+    def region(self, boxes: Iterable[ArrayLike]) -> Box:
+        """The part of the picture, in tiles, with splats whose centres are in (2, 3) boxes."""
+        across, down = (-(-side // TILE) for side in self.samples)
+        corners = [(*corner, 1.0) for box in boxes for corner in product(*np.transpose(box))]
+        placed = np.array(corners) @ self.uniforms["to_samples"].T
+        if placed[:, 2].min() < 0.0:  # the eye may be among the splats
+            return 0, 0, across, down
+        at, margin = placed[:, :2] / placed[:, 3:], self.radius_px(1.0) + 1.0
+        edges = (at.min(axis=0) - margin) // TILE, (at.max(axis=0) + margin) // TILE + 1
+        (left, bottom), (right, top) = np.clip(edges, 0, (across, down)).astype(int).tolist()
+        return left, bottom, right - left, top - bottom
 
     @cached_property
     def uniforms(self) -> dict[str, Any]:

@@ -37,22 +37,11 @@ BEFORE, AFTER = ("previous", "play", "next"), ("slower", "faster", "at end")
 WIDTHS = {"play": PLAY_BUTTON, "slower": BUTTON + SPEED_WIDTH}  # other than BUTTON
 # Characters of Font Awesome 6 by the name of the action; the last one while the action is on.
 ICONS = {
-    "previous": "\uf048",
-    "play": "\uf04b\uf04c",
-    "next": "\uf051",
-    "slower": "\uf068",
-    "faster": "\uf067",
-    "color": "\uf53f",
-    "smaller": "\uf056",
-    "larger": "\uf055",
-    "turn": "\uf2f9",
-    "fit": "\uf05b",
-    "picture": "\uf030",
-    "ground": "\uf185\uf186",
-    "fullscreen": "\uf065\uf066",
-    "panel": "\uf1de",
-    "help": "\uf128",
-}
+    "previous": "\uf048", "play": "\uf04b\uf04c", "next": "\uf051", "slower": "\uf068",
+    "faster": "\uf067", "color": "\uf53f", "smaller": "\uf056", "larger": "\uf055",
+    "turn": "\uf2f9", "fit": "\uf05b", "picture": "\uf030", "ground": "\uf185\uf186",
+    "fullscreen": "\uf065\uf066", "panel": "\uf1de", "help": "\uf128",
+}  # fmt: skip
 AT_END = {AtEnd.LOOP: "\uf363", AtEnd.PING_PONG: "\uf07e", AtEnd.STOP: "\uf061"}
 SPEEDS = {0.125: "⅛×", 0.25: "¼×", 0.5: "½×"}
 

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -77,11 +78,11 @@ class Camera:
         """The nearest camera of this yaw and pitch that sees all points, centred in the picture."""
         camera = replace(self, distance=self._fitting_distance(points, aspect))
         for _ in range(4):  # the projected centre shifts a little whenever the distance changes
-            right, above, towards = camera._eye_axes() @ (points - np.asarray(camera.target)).T
+            right, above, towards = camera._eye_axes @ (points - np.asarray(camera.target)).T
             depth = np.maximum(camera.distance - towards, 1e-9 * camera.distance)
             centers = [(side.min() + side.max()) / 2 for side in (right / depth, above / depth)]
             shift = camera.distance * np.array([*centers, 0.0])
-            camera = replace(camera, target=as_tuple(camera.target + camera._eye_axes().T @ shift))
+            camera = replace(camera, target=as_tuple(camera.target + camera._eye_axes.T @ shift))
             camera = replace(camera, distance=camera._fitting_distance(points, aspect))
         return camera
 
@@ -91,7 +92,7 @@ class Camera:
         A point with offsets (right, above, towards) from the target is in the picture if
         |right| / aspect and |above| are at most slope × (distance - towards).
         """
-        right, above, towards = self._eye_axes() @ (points - np.asarray(self.target)).T
+        right, above, towards = self._eye_axes @ (points - np.asarray(self.target)).T
         slope = math.tan(self.field_of_view / 2) * FITTED_SHARE
         needed = towards + np.maximum(np.abs(right) / aspect, np.abs(above)) / slope
         return max(float(needed.max()), 0.1 * self.radius)
@@ -104,7 +105,7 @@ class Camera:
     def pan(self, dx: float, dy: float) -> Self:
         """Shift the picture right and up by shares of its height, at the target's depth."""
         height = 2.0 * self.distance * math.tan(self.field_of_view / 2)
-        right, above, _ = self._eye_axes()
+        right, above, _ = self._eye_axes
         target = self.target - height * (dx * right + dy * above)
         return replace(self, target=as_tuple(target))
 
@@ -159,12 +160,12 @@ class Camera:
     @property
     def eye(self) -> Vector:
         """(3,) position of the eye in local coordinates."""
-        return np.asarray(self.target) + self.eye_distance * self._eye_axes()[2]
+        return np.asarray(self.target) + self.eye_distance * self._eye_axes[2]
 
     def view(self) -> Vector:
         """(4, 4) matrix from local to eye coordinates (right, up, back), for column vectors."""
         matrix = np.eye(4)
-        matrix[:3, :3] = self._eye_axes()
+        matrix[:3, :3] = self._eye_axes
         matrix[:3, 3] = -matrix[:3, :3] @ self.eye
         return matrix
 
@@ -185,6 +186,7 @@ class Camera:
         """(4, 4) matrix from local to OpenGL's clip coordinates, for column vectors."""
         return self.projection(aspect) @ self.view()
 
+    @cached_property
     def _eye_axes(self) -> Vector:
         """(3, 3) unit vectors in rows: right, above, and from the target to the eye."""
         first, second, upward = axes(self.up)

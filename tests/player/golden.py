@@ -22,7 +22,6 @@ from gclip import Clip
 from player.export.film import Film
 from player.gl.context import headless
 from player.rendering.headless import Offscreen
-from player.rendering.points import RasterBackend
 from player.ui.gui import Gui
 from player.ui.interface import Interface
 from player.view.annotations import Annotations
@@ -182,7 +181,7 @@ GOLDEN = tuple(
     Golden(name, name in LOOSE, tuple(ways))
     for name, *ways in (
         ("splats", _drawn("tomato", 5.0, COARSE)),
-        ("points", *(_drawn("tomato", 4.0, FINE, backend=backend) for backend in RasterBackend)),
+        ("points", *(_drawn("tomato", 4.0, FINE, compute=way) for way in (False, True))),
         ("few", _drawn("tomato", 6.0, FINE, stride=40)),  # each single mover counts
         ("unshaded", _still("tree", 22.0, Style(eye_dome=0.0, depth_cue=False, show_ground=False))),
         ("shaded", _still("tree", 22.0, Style(eye_dome=2.0))),

@@ -17,7 +17,6 @@ from player.errors import PlayerError
 from player.gl.gl_errors import ContextLost, OutOfGpuMemory, check_context, max_supersample
 from player.rendering.headless import Offscreen, render
 from player.rendering.point_buffers import Chunk, PointBuffers, bytes_per_point
-from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.style import Style
@@ -222,7 +221,7 @@ def test_compute_shaders_that_fail_leave_the_work_to_points(
         raise moderngl.Error("GLSL Compiler failed\n\ncompute_shader\n==\n0:1(1): error: no\n")
 
     clip = make_clip()
-    renderers = [Renderer(compute_context, clip, backend=backend) for backend in RasterBackend]
+    renderers = [Renderer(compute_context, clip, compute=way) for way in (False, True)]
     framebuffer, camera = compute_context.simple_framebuffer(SIZE, 3), Camera.home(clip, 4 / 3)
     monkeypatch.setattr(moderngl.Context, "compute_shader", broken)
     pictures = []

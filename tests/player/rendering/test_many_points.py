@@ -31,10 +31,7 @@ class Shader(dict):
         self.sets: Counter[str] = Counter()
         self.runs = 0
 
-    def __contains__(self, name: object) -> bool:
-        return True
-
-    def __getitem__(self, name: str) -> Any:
+    def get(self, name: str, default: Any = None) -> Any:
         self.sets[name] += 1
         return MagicMock()
 

@@ -13,7 +13,7 @@ import player.rendering.renderer
 from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
 from player.gl.framebuffer import GBuffer
-from player.rendering.points import CORE, SQUARED_DISTANCES, RasterBackend
+from player.rendering.points import CORE, SQUARED_DISTANCES
 from player.view.style import Style
 from shaders import source
 from tests.player.drawn import Picture, camera_at, drawn
@@ -50,12 +50,12 @@ def dense_clip(precision: str = "auto", colors: bool = False, tracks: int = 2) -
 def picture(
     context: moderngl.Context,
     clip: Clip,
-    backend: RasterBackend | None,
+    compute: bool = True,
     style: Style | None = None,
     stride: int = 1,
 ) -> Picture:
     camera = camera_at(clip, SIZE, -80, 0.1)
-    return drawn(context, clip, 0.4, camera, SIZE, style, backend=backend, stride=stride)
+    return drawn(context, clip, 0.4, camera, SIZE, style, compute=compute, stride=stride)
 
 
 @pytest.mark.parametrize(
@@ -67,8 +67,8 @@ def test_both_ways_make_the_same_picture(
     compute_context: moderngl.Context, kind: dict[str, Any]
 ) -> None:
     clip = dense_clip(**kind)
-    by_points = picture(compute_context, clip, RasterBackend.POINTS)
-    computed = picture(compute_context, clip, RasterBackend.COMPUTE)
+    by_points = picture(compute_context, clip, False)
+    computed = picture(compute_context, clip, True)
     assert (by_points.max(axis=2) > 60).sum() > 2000
     # Where two movers are equally near to 1 part in 4 million, either may stay.
     assert (np.abs(by_points - computed).max(axis=2) > 2).mean() < 0.002
@@ -77,31 +77,30 @@ def test_both_ways_make_the_same_picture(
 def test_the_context_decides_what_draws(compute_context: moderngl.Context) -> None:
     """And no measurement: the same machine draws the same picture, always."""
     clip = dense_clip()
-    first, second = (picture(compute_context, clip, None) for _ in range(2))
+    first, second = (picture(compute_context, clip) for _ in range(2))
     assert (first == second).all()
-    assert (first == picture(compute_context, clip, RasterBackend.COMPUTE)).all()
 
 
 def test_dots_look_like_splats(context: moderngl.Context, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where both can be had, changing from one to the other is hardly seen."""
     clip, style = dense_clip(), Style(show_ground=False)
-    dots = picture(context, clip, None, style)
+    dots = picture(context, clip, style=style)
     monkeypatch.setattr(player.rendering.renderer, "MAX_RADIUS_PX", 0.0)
-    splats = picture(context, clip, None, style)
+    splats = picture(context, clip, style=style)
     assert (dots != splats).any()
     plant = splats.max(axis=2) > 60
     assert (dots.max(axis=2) > 60).sum() == pytest.approx(plant.sum(), rel=0.05)
     assert np.abs(dots - splats)[plant].mean() < 6
 
 
-@pytest.mark.parametrize("backend", [RasterBackend.POINTS, RasterBackend.COMPUTE])
+@pytest.mark.parametrize("compute", [False, True])
 @pytest.mark.parametrize("stride", [2, 8])
 def test_fewer_movers_show_the_same_plant(
-    compute_context: moderngl.Context, backend: RasterBackend, stride: int
+    compute_context: moderngl.Context, compute: bool, stride: int
 ) -> None:
     clip, style = dense_clip(), Style(show_ground=False)
-    whole = picture(compute_context, clip, backend, style)
-    some = picture(compute_context, clip, backend, style, stride=stride)
+    whole = picture(compute_context, clip, compute, style)
+    some = picture(compute_context, clip, compute, style, stride=stride)
     assert (some != whole).any()
     plant = whole.max(axis=2) > 60
     assert (some.max(axis=2) > 60).sum() == pytest.approx(plant.sum(), rel=0.1)

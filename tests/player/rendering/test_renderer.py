@@ -180,7 +180,7 @@ def test_all_splats_are_in_the_tiles_that_are_drawn(
     framebuffer = context.simple_framebuffer(SIZE)
     style, pictures = replace(PLAIN, point_size=point_size), dict[str, list[np.ndarray]]()
     for tile in (TILE, max(SIZE)):
-        for module in (player.gl.framebuffer, player.rendering.renderer):
+        for module in (player.gl.framebuffer, player.rendering.renderer, player.rendering.splats):
             monkeypatch.setattr(module, "TILE", tile)
         renderer = Renderer(context, clip, 1)
         for name, camera in cameras.items():

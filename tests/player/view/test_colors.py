@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from gclip.evaluate import srgb_to_linear
-from player.rendering.points import RasterBackend
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
 from player.view.colors import Colors, nice_ceil
@@ -23,9 +22,9 @@ def drawn(
     clip: object,
     day: float,
     style: Style,
-    backend: RasterBackend = RasterBackend.POINTS,
+    compute: bool = False,
 ) -> np.ndarray:
-    renderer = Renderer(context, clip, backend=backend)  # type: ignore[arg-type]
+    renderer = Renderer(context, clip, compute=compute)  # type: ignore[arg-type]
     framebuffer = context.simple_framebuffer(SIZE)
     camera = replace(Camera.home(clip, 4 / 3), yaw=-np.pi / 2, pitch=0.0)  # type: ignore[arg-type]
     renderer.draw(framebuffer, day, camera, style, SIZE)
@@ -42,7 +41,7 @@ def test_points_and_compute_shaders_show_the_same_values(
 ) -> None:
     clip = make_clip(degree=degree, colors=((200, 0, 0, 255), (0, 0, 200, 255)))
     style = replace(PLAIN, color_by=color_by, point_size=0.3)
-    ways = [drawn(context, clip, 1.0, style, backend) for backend in RasterBackend]
+    ways = [drawn(context, clip, 1.0, style, compute) for compute in (False, True)]
     assert np.abs(ways[0] - ways[1]).max() <= 2
     scans_own = drawn(context, clip, 1.0, replace(style, color_by="scan"))
     assert np.abs(ways[0] - scans_own).max() > 40
@@ -73,17 +72,17 @@ def test_the_fastest_colour_is_a_speed_of_the_clip(make_clip: ClipMaker) -> None
     assert scale.unit == "mm a day"
 
 
-@pytest.mark.parametrize("backend", RasterBackend)
+@pytest.mark.parametrize("compute", [False, True])
 @pytest.mark.parametrize("point_size", [0.3, 3.0])
 def test_hidden_organs_are_not_drawn(
-    context: moderngl.Context, make_clip: ClipMaker, backend: RasterBackend, point_size: float
+    context: moderngl.Context, make_clip: ClipMaker, compute: bool, point_size: float
 ) -> None:
     clip = make_clip()
     style = replace(PLAIN, point_size=point_size, show_ground=True)
-    both = drawn(context, clip, 1.0, style, backend)
-    nothing = drawn(context, clip, 1.0, replace(style, hidden=frozenset((0, 1))), backend)
-    left = drawn(context, clip, 1.0, replace(style, hidden=frozenset((1,))), backend)
-    alone = drawn(context, clip, 1.0, replace(style, isolated=0), backend)
+    both = drawn(context, clip, 1.0, style, compute)
+    nothing = drawn(context, clip, 1.0, replace(style, hidden=frozenset((0, 1))), compute)
+    left = drawn(context, clip, 1.0, replace(style, hidden=frozenset((1,))), compute)
+    alone = drawn(context, clip, 1.0, replace(style, isolated=0), compute)
     middle = SIZE[0] // 2
     assert (left == alone).all()
     assert np.abs(left[:, : middle - 20] - both[:, : middle - 20]).mean() < 8
