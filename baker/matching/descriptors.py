@@ -60,18 +60,8 @@ def describe_organs(
 ) -> OrganDescriptors:
     """Describe the organs of a scan, which are the segments that have points.
 
-    Parameters
-    ----------
-    cloud : (N, 3) float ndarray
-    hierarchy : Hierarchy
-    root_point : int
-        Index of the point at the plant base.
-    stem : bool
-        Whether the organ at the plant base is known to be the stem of all others.
-
-    Returns
-    -------
-    OrganDescriptors
+    cloud: (N, 3) points. root_point: index of the point at the plant base. stem: whether the organ
+    at the plant base is known to be the stem of all others.
     """
     members, root, parents = _organs(hierarchy, root_point)
     steps = [-(-len(segment) // SAMPLE_SIZE) for segment in members]

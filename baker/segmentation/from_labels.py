@@ -79,15 +79,8 @@ def coarse_hierarchies(
 ) -> list[Hierarchy]:
     """Build hierarchies for the tracking of organs, in which all organs are sampled equally.
 
-    Parameters
-    ----------
-    clouds, labels, bases : sequences
-        For each scan: (N, 3) points, (N,) organs, the point at the plant base.
-
-    Returns
-    -------
-    list of Hierarchy
-        Of all points; the parents are found from `COARSE_POINTS` of each organ.
+    clouds, labels, bases: for each scan (N, 3) points, (N,) organs, the point at the plant base.
+    The hierarchies are of all points; parents are found from `COARSE_POINTS` of each organ.
     """
     hierarchies = []
     for cloud, scan_labels, base in zip(clouds, labels, bases, strict=True):

@@ -1,5 +1,6 @@
 """The command `bake`: exit codes, one-sentence errors, nothing half-written."""
 
+import ctypes
 import os
 import re
 import signal
@@ -141,6 +142,37 @@ def test_help_needs_nothing_heavy():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     assert "--align" in done.stdout
+
+
+COUNT_ARENAS = """
+import ctypes, sys, threading
+from baker.cli import share_arena
+libc = ctypes.CDLL(None)
+if sys.argv[2] == "shared":
+    share_arena()
+barrier = threading.Barrier(4)
+def allocate():
+    blocks = [bytes(5000) for _ in range(1000)]
+    barrier.wait()
+threads = [threading.Thread(target=allocate) for _ in range(4)]
+[thread.start() for thread in threads]
+[thread.join() for thread in threads]
+libc.fopen.restype = ctypes.c_void_p
+file = ctypes.c_void_p(libc.fopen(sys.argv[1].encode(), b"w"))
+libc.malloc_info(0, file)
+libc.fclose(file)
+"""
+
+
+def test_threads_share_one_arena(tmp_path):
+    if not hasattr(ctypes.CDLL(None), "malloc_info"):
+        pytest.skip("arenas are glibc's")
+    arenas = {}
+    for way in ("shared", "own"):
+        file = tmp_path / way
+        subprocess.run([sys.executable, "-c", COUNT_ARENAS, str(file), way], check=True)
+        arenas[way] = file.read_text().count("<heap nr=")
+    assert arenas["shared"] == 1 < arenas["own"]
 
 
 def test_sums_are_rounded_alike_on_every_machine():
