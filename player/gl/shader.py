@@ -55,7 +55,7 @@ def set_uniforms(program: moderngl.Program | moderngl.ComputeShader, **values: A
 
 
 Box = tuple[int, int, int, int]  # left and bottom edge, width and height
-WHOLE: Box = (0, 0, 0, 0)
+NO_TILES: Box = (0, 0, 0, 0)
 
 
 class Passes:
@@ -74,12 +74,12 @@ class Passes:
         self._arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
 
     def run(
-        self, name: str, tiles: Any = None, region: Box = WHOLE, tile_px: int = 0, **values: Any
+        self, name: str, tiles: Any = None, region: Box = NO_TILES, tile_px: int = 0, **values: Any
     ) -> None:
         """Run ``<name>.frag`` for every pixel of the current viewport.
 
         tiles:   texture of one texel for each tile of the picture; tiles with a 0 are skipped.
-        region:  part of the picture, in tiles, of which the others are skipped.
+        region:  the part of the picture, in tiles, outside which they are skipped, too.
         tile_px: side of a tile in pixels of the framebuffer.
         values:  uniforms, and macros in upper case.
         """
