@@ -86,9 +86,10 @@ def bake_command(
 
 
 def share_arena() -> None:
-    """Let all threads allocate from one arena of glibc, so that what one stage frees serves others.
+    """Let all threads allocate from one arena of glibc's malloc.
 
-    Two scans of 440,000 points take 370 instead of 406 MB, in the same time.
+    Memory that one stage has freed then serves the threads of the next one: two scans of 440,000
+    points take 364 instead of 406 MB, in the same time.
     """
     with suppress(AttributeError, OSError, TypeError):  # other C libraries have no arenas
         ctypes.CDLL(None).mallopt(M_ARENA_MAX, 1)

@@ -6,7 +6,7 @@ from typing import Any, cast
 import moderngl
 
 from player.gl.gl_errors import allocating
-from player.gl.shader import Box, Passes
+from player.gl.shader import Passes, Rectangle, Tiles
 
 TILE = 16  # side of a tile in samples; passes over the picture skip tiles without points
 COLOR, SCALAR, VECTOR = (4, "f2"), (1, "f4"), (2, "f2")  # number and type of channels
@@ -26,8 +26,7 @@ class GBuffer:
     filtered: two with depths, of which the first shares the texture of `surface`; each filter pass
               reads one and writes the other.
     lit:      the light.
-    tiles:    which tiles contain points (`mark_tiles`).
-    region:   left and bottom edge, width and height, in tiles, of the part with points.
+    region:   part of the picture, in tiles, beyond which there are no points.
     """
 
     def __init__(self, context: moderngl.Context, passes: Passes, size: tuple[int, int]) -> None:
@@ -38,7 +37,7 @@ class GBuffer:
         self.surface = self._create(**kinds, light=COLOR, with_depth=True)
         plant, textures = self.surface.depth_attachment, textures_of(self.surface)
         self.behind = self._create(**{name: textures[name] for name in kinds}, depth=plant)
-        self._depths = self._create(depths=textures["depths"], others=SCALAR)
+        self._depths = self._create(depths=textures["depths"], filtered=SCALAR)
         depths = textures_of(self._depths).values()
         self.filtered = [self._create(depths=kind, depth=plant) for kind in depths]
         self.lit = self._create(light=textures["light"], depth=plant)
@@ -46,8 +45,8 @@ class GBuffer:
             read_only_depth.depth_mask = False
         across, down = (-(-side // TILE) for side in size)
         self._rows = framebuffer(context, (across, size[1]), source=(4, "f1"))
-        self.tiles = framebuffer(context, (across, down), tiles=(4, "f1"))
-        self.region: Box = (0, 0, across, down)
+        self._tiles = framebuffer(context, (across, down), occupied=(4, "f1"))
+        self.region: Rectangle = (0, 0, across, down)
 
     @cached_property
     def points(self) -> moderngl.Framebuffer:
@@ -77,16 +76,20 @@ class GBuffer:
         run = partial(self.passes.run, "tiles", RADIUS_PX=radius_px)
         left, bottom, width, height = self.region
         self._rows.viewport = left, bottom * TILE, width, height * TILE
-        self.tiles.viewport = self.region
+        self._tiles.viewport = self.region
         draw_into(self._rows)
         run(source=points, direction=(1, 0), CODES=int(points.dtype == "u4"))
-        draw_into(self.tiles)
+        draw_into(self._tiles)
         run(**textures_of(self._rows), direction=(0, 1), CODES=0)
 
     def run(self, name: str, target: moderngl.Framebuffer, *state: Any, **values: Any) -> None:
         """Run a fragment shader in marked tiles of a framebuffer; state: see `draw_into`."""
         draw_into(target, *state)
-        self.passes.run(name, **textures_of(self.tiles), region=self.region, tile_px=TILE, **values)
+        self.passes.run(name, self.tiles(TILE), **values)
+
+    def tiles(self, tile_px: int) -> Tiles:
+        """The marked tiles, for a framebuffer of so many pixels a tile."""
+        return Tiles(textures_of(self._tiles)["occupied"], self.region, tile_px)
 
     def clear(self) -> None:
         """Clear depths, which are read beside the plant, too; other textures are not."""

@@ -2,7 +2,7 @@
 
 import itertools
 from contextlib import nullcontext
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import moderngl
 import numpy as np
@@ -47,15 +47,21 @@ def set_uniforms(program: moderngl.Program | moderngl.ComputeShader, **values: A
         if isinstance(value, np.ndarray):
             uniform.write(np.ascontiguousarray(value.T, np.float32).tobytes())
         elif isinstance(value, moderngl.Texture):
-            unit = next(units)
-            value.use(unit)
+            value.use(unit := next(units))
             uniform.value = unit
         else:
             uniform.value = value
 
 
-Box = tuple[int, int, int, int]  # left and bottom edge, width and height
-NO_TILES: Box = (0, 0, 0, 0)
+Rectangle = tuple[int, int, int, int]  # left and bottom edge, width and height
+
+
+class Tiles(NamedTuple):
+    """The tiles of a picture in which a shader runs."""
+
+    occupied: moderngl.Texture  #: one texel for each tile; tiles with a 0 are skipped (tile.vert)
+    region: Rectangle  #: part of the picture, in tiles, outside which they are skipped, too
+    tile_px: int  #: side of a tile in pixels of the framebuffer
 
 
 class Passes:
@@ -73,15 +79,10 @@ class Passes:
         self._definitions = definitions
         self._arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
 
-    def run(
-        self, name: str, tiles: Any = None, region: Box = NO_TILES, tile_px: int = 0, **values: Any
-    ) -> None:
-        """Run ``<name>.frag`` for every pixel of the current viewport.
+    def run(self, name: str, tiles: Tiles | None = None, **values: Any) -> None:
+        """Run ``<name>.frag`` for every pixel of the current viewport, or of some tiles.
 
-        tiles:   texture of one texel for each tile of the picture; tiles with a 0 are skipped.
-        region:  the part of the picture, in tiles, outside which they are skipped, too.
-        tile_px: side of a tile in pixels of the framebuffer.
-        values:  uniforms, and macros in upper case.
+        values: uniforms, and macros in upper case.
         """
         macros = self._definitions | {key: values.pop(key) for key in [*values] if key.isupper()}
         key = (name, *macros.items())
@@ -90,11 +91,11 @@ class Passes:
             program = compile_program(self._context, *files, **macros)
             self._arrays[key] = self._context.vertex_array(program, [])
         array = self._arrays[key]
-        set_uniforms(array.program, **values, occupied=tiles, tile_px=tile_px, region=region)
+        set_uniforms(array.program, **values, **(tiles._asdict() if tiles else {}))
         mode, vertices = moderngl.TRIANGLES, 3
         if tiles:
-            mode, vertices = moderngl.POINTS, region[2] * region[3]
-            left, bottom, width, height = (tile_px * side for side in region)
+            left, bottom, width, height = (tiles.tile_px * side for side in tiles.region)
+            mode, vertices = moderngl.POINTS, tiles.region[2] * tiles.region[3]
             self._context.viewport = left, bottom, width, height
         with nullcontext() if self._timers is None else self._timers.timed(name):
             array.render(mode, vertices=vertices)

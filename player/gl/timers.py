@@ -19,8 +19,7 @@ class PassTimers:
         self._context = context
         self._idle: list[moderngl.Query] = []
         self._running: list[tuple[str, moderngl.Query]] = []
-        self.enabled = True
-        self.frames = 0
+        self.enabled, self.frames = True, 0
         self.totals: defaultdict[str, float] = defaultdict(float)
 
     @contextmanager

@@ -31,8 +31,7 @@ class Ground:
         self._points = points
         self._passes = passes
         create = partial(framebuffer, points.context, linear=True)
-        side = (SHADOW_SIZE, SHADOW_SIZE)
-        self._shadows = [create(side, transmittance=VECTOR) for _ in range(2)]
+        self._shadows = [create((SHADOW_SIZE,) * 2, transmittance=VECTOR) for _ in range(2)]
         self._background = create(BACKGROUND_SIZE, background=(4, "f4"))
         self._to_square, self._half_side = floor_square(points.clip)
 

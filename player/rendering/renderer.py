@@ -96,8 +96,7 @@ class Renderer:
         diameters = (side * MIN_POINT_PX, self._max_point_px)
         splats = replace(splats, samples=(side * size[0], side * size[1]), point_px_range=diameters)
         gbuffer, points = self._gbuffer_of(splats.samples), self._points
-        intervals = (self.clip.intervals[drawn.layer.interval] for drawn in ranges)
-        gbuffer.region = splats.region(interval.bounds for interval in intervals)
+        gbuffer.region = splats.region(self.clip.intervals[r.layer.interval].bounds for r in ranges)
         gbuffer.clear()
         are_points = splats.radius_px() <= MAX_RADIUS_PX
         if are_points:
@@ -120,9 +119,8 @@ class Renderer:
             target.clear()
         else:
             self._passes.run("blit", picture=background["background"])
-        uniforms = textures_of(gbuffer.lit) | textures_of(gbuffer.tiles) | background
-        uniforms |= {"region": gbuffer.region, "tile_px": TILE // side, "SUPERSAMPLE": side}
-        self._passes.run("picture", **uniforms, transparent=transparent)
+        uniforms = textures_of(gbuffer.lit) | background | {"transparent": transparent}
+        self._passes.run("picture", gbuffer.tiles(TILE // side), SUPERSAMPLE=side, **uniforms)
         target.viewport = (0, 0, *size)
         if upload_budget is not None:
             self._closing.measure_ahead()

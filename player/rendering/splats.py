@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from player.gl.framebuffer import NO_DEPTH, TILE, GBuffer, draw_into, textures_of
-from player.gl.shader import Box
+from player.gl.shader import Rectangle
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.view.camera import Camera
@@ -53,7 +53,7 @@ class SplatParams:
         depth = max(self.camera.eye_distance - before * self.scene_radius, self.camera.near)
         return max(self.radius * self.px_per_unit(depth), self.point_px_range[0] / 2)
 
-    def region(self, boxes: Iterable[ArrayLike]) -> Box:
+    def region(self, boxes: Iterable[ArrayLike]) -> Rectangle:
         """The part of the picture, in tiles, with splats whose centres are in (2, 3) boxes."""
         across, down = (-(-side // TILE) for side in self.samples)
         corners = [(*corner, 1.0) for box in boxes for corner in product(*np.transpose(box))]

@@ -50,12 +50,11 @@ def dense_clip(precision: str = "auto", colors: bool = False, tracks: int = 2) -
 def picture(
     context: moderngl.Context,
     clip: Clip,
-    compute: bool = True,
     style: Style | None = None,
-    stride: int = 1,
+    **options: Any,
 ) -> Picture:
     camera = camera_at(clip, SIZE, -80, 0.1)
-    return drawn(context, clip, 0.4, camera, SIZE, style, compute=compute, stride=stride)
+    return drawn(context, clip, 0.4, camera, SIZE, style, **options)
 
 
 @pytest.mark.parametrize(
@@ -67,8 +66,8 @@ def test_both_ways_make_the_same_picture(
     compute_context: moderngl.Context, kind: dict[str, Any]
 ) -> None:
     clip = dense_clip(**kind)
-    by_points = picture(compute_context, clip, False)
-    computed = picture(compute_context, clip, True)
+    by_points = picture(compute_context, clip, compute=False)
+    computed = picture(compute_context, clip, compute=True)
     assert (by_points.max(axis=2) > 60).sum() > 2000
     # Where two movers are equally near to 1 part in 4 million, either may stay.
     assert (np.abs(by_points - computed).max(axis=2) > 2).mean() < 0.002
@@ -79,14 +78,15 @@ def test_the_context_decides_what_draws(compute_context: moderngl.Context) -> No
     clip = dense_clip()
     first, second = (picture(compute_context, clip) for _ in range(2))
     assert (first == second).all()
+    assert (first == picture(compute_context, clip, compute=True)).all()
 
 
 def test_dots_look_like_splats(context: moderngl.Context, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where both can be had, changing from one to the other is hardly seen."""
     clip, style = dense_clip(), Style(show_ground=False)
-    dots = picture(context, clip, style=style)
+    dots = picture(context, clip, style)
     monkeypatch.setattr(player.rendering.renderer, "MAX_RADIUS_PX", 0.0)
-    splats = picture(context, clip, style=style)
+    splats = picture(context, clip, style)
     assert (dots != splats).any()
     plant = splats.max(axis=2) > 60
     assert (dots.max(axis=2) > 60).sum() == pytest.approx(plant.sum(), rel=0.05)
@@ -99,8 +99,8 @@ def test_fewer_movers_show_the_same_plant(
     compute_context: moderngl.Context, compute: bool, stride: int
 ) -> None:
     clip, style = dense_clip(), Style(show_ground=False)
-    whole = picture(compute_context, clip, compute, style)
-    some = picture(compute_context, clip, compute, style, stride=stride)
+    whole = picture(compute_context, clip, style, compute=compute)
+    some = picture(compute_context, clip, style, compute=compute, stride=stride)
     assert (some != whole).any()
     plant = whole.max(axis=2) > 60
     assert (some.max(axis=2) > 60).sum() == pytest.approx(plant.sum(), rel=0.1)
