@@ -65,15 +65,8 @@ def segment_gaps(
 
     If that does not connect all segments, the connected kNN graph is taken.
 
-    Parameters
-    ----------
-    points, labels, neighbors : (N, 3) float, (N,) int, Neighbors
-
-    Returns
-    -------
-    Gaps
-        The length of the shortest edge between two segments, in point spacings. All segments are
-        connected, directly or by others.
+    Returns the length of the shortest edge between any two adjacent segments of (N, 3) points, in
+    point spacings. All segments are connected, directly or by others.
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import connected_components

@@ -99,17 +99,10 @@ def point_spacing(points: Points) -> float:
 def interpolate(points: Points, samples: Points, values: Points, k: int) -> NDArray[np.float64]:
     """Interpolate values of samples by inverse distance weighting of the k nearest (Shepard 1968).
 
-    Parameters
-    ----------
-    points, samples : (n, 3) and (m, 3) float
-    values : (m, ...) float
-        Of the samples.
-    k : int
-        Number of samples that contribute to a value, reduced to m.
+    points, samples, values: (n, 3), (m, 3) and (m, ...) float.
+    k: number of samples that contribute to a value, reduced to m.
 
-    Returns
-    -------
-    (n, ...) float64
+    Returns (n, ...) float64.
     """
     from scipy.spatial import cKDTree
 

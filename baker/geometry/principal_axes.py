@@ -7,16 +7,10 @@ from numpy.typing import NDArray
 def principal_spreads(points: NDArray[np.float64], radius: float) -> NDArray[np.float64]:
     """Standard deviations along the principal axes of the ball of points around each point.
 
-    Parameters
-    ----------
-    points : (N, 3) float64
-    radius : float
-        Of the balls, in the unit of the points.
+    points: (N, 3) float64.
+    radius: of the balls, in the unit of the points.
 
-    Returns
-    -------
-    (N, 3) float64
-        In ascending order. In a rod the first two are small, on a sheet the first.
+    Returns (N, 3) in ascending order. In a rod the first two are small, on a sheet the first.
     """
     from scipy.sparse import csr_matrix
     from scipy.spatial import cKDTree

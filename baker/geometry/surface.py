@@ -1,43 +1,32 @@
 """Estimate the surface normal at every point, and the area that the point represents."""
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.neighbors import Neighbors, blocks
 from baker.geometry.parallel import MapLike
 
+Floats = NDArray[np.floating]
+
 # docs/method.md, "Density".
 PLANAR_RATIO = 1.5  # greatest area : spread of a neighbourhood; it is higher on a thin rod
+CURVATURE_WEIGHT = 8.0  # in the normals of stems; with more of it they are the same
+TINY = float(np.finfo(float).tiny)  # keeps divisors from being 0
 MAX_AREA_QUANTILE = 0.98  # of the areas of all points, to which larger ones are reduced
 
 
 def normals_and_areas(
-    points: NDArray[np.floating], neighbors: Neighbors, map: MapLike = map
-) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-    """The `surface_normals` and the `point_area` of points, from the same covariances.
-
-    Parameters
-    ----------
-    points : (N, 3) float
-    neighbors : Neighbors
-        Of the points.
-    map : map-like callable
-        Maps over blocks of points, in threads.
-
-    Returns
-    -------
-    normals : (N, 2) uint8
-        Octahedral codes (docs/format.md, "Normals").
-    area : (N,) float64
-        In squared length units.
-    """
+    points: Floats, neighbors: Neighbors, map: MapLike = map
+) -> tuple[NDArray[np.uint8], Floats]:
+    """The `surface_normals` and the `point_area` of (N, 3) points, from the same covariances."""
     covariance = covariances(points, neighbors, map)
-    return surface_normals(covariance, neighbors, map), point_area(covariance, neighbors)
+    area = point_area(covariance, neighbors)
+    return surface_normals(points, covariance, neighbors, map), area
 
 
-def covariances(
-    points: NDArray[np.floating], neighbors: Neighbors, map: MapLike = map
-) -> NDArray[np.float64]:
+def covariances(points: Floats, neighbors: Neighbors, map: MapLike = map) -> Floats:
     """(6, N) covariance of the positions of each point and its neighbours, in squared units.
 
     The elements are xx, yy, zz, xy, yz and zx. Equivalent, for each point with neighbours j, to
@@ -60,7 +49,7 @@ def covariances(
     return covariance
 
 
-def point_area(covariance: NDArray[np.float64], neighbors: Neighbors) -> NDArray[np.float64]:
+def point_area(covariance: Floats, neighbors: Neighbors) -> Floats:
     """(N,) area of the surface that each point represents, up to a common factor.
 
     On a surface it is the squared distance to the last neighbour. On a twig thinner than the point
@@ -82,52 +71,82 @@ def point_area(covariance: NDArray[np.float64], neighbors: Neighbors) -> NDArray
 
 
 def surface_normals(
-    covariance: NDArray[np.float64], neighbors: Neighbors, map: MapLike = map
+    points: Floats, covariance: Floats, neighbors: Neighbors, map: MapLike = map
 ) -> NDArray[np.uint8]:
     """(N, 2) octahedral codes of normals of planes fitted to the neighbourhood of each point.
 
     The covariance is averaged over the neighbours, which makes the normals as smooth as with three
     times as many neighbours, without another query. The sign of a normal is arbitrary.
 
-    covariance: (6, N) as `covariances` returns it.
+    On stems as thin as a neighbourhood, its smaller two variances are alike, and no plane fits.
+    There the normal follows the surface's curvature: the difference between positions that are
+    averaged over the neighbours once and twice.
+
+    covariance: (6, N) of the (N, 3) points, as `covariances` returns it.
 
     References
     ----------
     Hoppe et al. 1992, "Surface reconstruction from unorganized points".
+    Desbrun et al. 1999, "Implicit fairing of irregular meshes using diffusion and curvature flow".
     """
-    from scipy.sparse import csr_matrix
-
     count, k = neighbors.indices.shape
     codes = np.zeros((count, 2), np.uint8)
     if k < 3:
         return codes
-    rows = np.ascontiguousarray(covariance.T)  # one product of all elements takes half the time
+    averaged = partial(_averaged, neighbors=neighbors, map=map)
+    once = averaged(np.concatenate([covariance, points.T]).T)
+    mean, curvature = once[:, :6].T, (once[:, 6:] - averaged(once[:, 6:])).T
+
+    def compute(part: slice) -> None:
+        _, smallest, middle = np.maximum(_eigenvalues(mean[:, part]), TINY)
+        x, y, z = curvature[:, part]
+        divisor = np.maximum(x * x + y * y + z * z, middle / CURVATURE_WEIGHT)
+        weight = np.minimum(smallest / middle, 1.0) ** 3 * middle / divisor
+        products = np.array([x * x, y * y, z * z, x * y, y * z, z * x])
+        codes[part] = octahedral(_minor_axes(mean[:, part] - weight * products))
+
+    list(map(compute, blocks(count)))
+    return codes
+
+
+def _averaged(values: Floats, neighbors: Neighbors, map: MapLike) -> Floats:
+    """The means of (N, n) values over each point and its neighbours."""
+    from scipy.sparse import csr_matrix
+
+    count, k = neighbors.indices.shape
+    rows = np.ascontiguousarray(values, np.float64)
+    means = np.empty_like(rows)
 
     def compute(part: slice) -> None:
         nearest = neighbors.indices[part]
         begins = np.arange(0, nearest.size + 1, k)
         ones = np.ones(nearest.size)
         adjacency = csr_matrix((ones, nearest.ravel(), begins), (len(nearest), count))
-        codes[part] = octahedral(_minor_axes((rows[part] + adjacency @ rows).T))
+        means[part] = (rows[part] + adjacency @ rows) / (k + 1)
 
     list(map(compute, blocks(count)))
-    return codes
+    return means
 
 
-def _minor_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(N, 3) eigenvectors of the smallest eigenvalue, of any length; z if all are equal.
+def _eigenvalues(covariance: Floats) -> Floats:
+    """(3, N) eigenvalues, the largest, the smallest and the middle one.
 
-    Equivalent to ``np.linalg.eigh`` of each matrix, which takes five times as long (O. K. Smith:
-    Eigenvalues of a symmetric 3 x 3 matrix, 1961).
+    Equivalent to ``np.linalg.eigvalsh``, which takes five times as long (O. K. Smith: Eigenvalues
+    of a symmetric 3 x 3 matrix, 1961).
     """
-    diagonal, (xy, yz, zx) = covariance[:3], covariance[3:]
-    x, y, z = diagonal - diagonal.mean(axis=0)
-    scale = np.sqrt((x**2 + y**2 + z**2 + 2 * (xy**2 + yz**2 + zx**2)) / 6)
-    scale = np.maximum(scale, np.finfo(float).tiny)
+    mean, (xy, yz, zx) = covariance[:3].mean(axis=0), covariance[3:]
+    x, y, z = covariance[:3] - mean
+    squares = x**2 + y**2 + z**2 + 2 * (xy**2 + yz**2 + zx**2)
+    scale = np.maximum(np.sqrt(squares / 6), TINY)
     determinant = x * (y * z - yz**2) - xy * (xy * z - yz * zx) + zx * (xy * yz - y * zx)
     angle = np.arccos(np.clip(determinant / (2 * scale**3), -1, 1)) / 3
-    x, y, z = (x, y, z) - 2 * scale * np.cos(angle + 2 * np.pi / 3)
+    return mean + 2 * scale * np.cos(angle + np.array([[0.0], [2.0], [4.0]]) * np.pi / 3)
+
+
+def _minor_axes(covariance: Floats) -> Floats:
+    """(N, 3) eigenvectors of the smallest eigenvalue, of any length; z if all are equal."""
     # Minus the eigenvalue, the matrix has rank two: its adjugate's columns are eigenvectors.
+    (x, y, z), (xy, yz, zx) = covariance[:3] - _eigenvalues(covariance)[1], covariance[3:]
     adjugate = np.array(
         [
             [y * z - yz**2, yz * zx - xy * z, xy * yz - y * zx],
@@ -140,7 +159,7 @@ def _minor_axes(covariance: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.where(axes.any(axis=1, keepdims=True), axes, (0.0, 0.0, 1.0))
 
 
-def octahedral(normals: NDArray[np.floating]) -> NDArray[np.uint8]:
+def octahedral(normals: Floats) -> NDArray[np.uint8]:
     """(N, 2) hemi-octahedral codes of (N, 3) normals of any length (Cigolle et al. 2014)."""
     upward = normals * np.where(normals[:, 2:] < 0, -1, 1)
     x, y = upward[:, :2].T / np.abs(normals).sum(axis=1)

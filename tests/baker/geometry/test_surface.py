@@ -7,7 +7,7 @@ from baker.geometry.surface import covariances, octahedral, surface_normals
 
 def codes_of(points: np.ndarray, neighbors: Neighbors | None = None) -> np.ndarray:
     neighbors = neighbors or nearest_neighbors(points)
-    return surface_normals(covariances(points, neighbors), neighbors)
+    return surface_normals(points, covariances(points, neighbors), neighbors)
 
 
 def decoded(codes: np.ndarray) -> np.ndarray:
@@ -33,6 +33,17 @@ def test_normals_of_a_sphere_point_outwards() -> None:
     codes = codes_of(noisy)
     angle = np.degrees(np.arccos(np.abs((decoded(codes) * points).sum(axis=1)).clip(0, 1)))
     assert np.quantile(angle, 0.95) < 6.0
+
+
+def test_normals_of_a_thin_stem_point_outwards() -> None:
+    """The radius is the distance of evenly spaced points; a tenth of that is noise."""
+    random = np.random.default_rng(4)
+    turn, height = random.uniform(0.0, 2.0 * np.pi, 400), random.uniform(0.0, 64.0, 400)
+    outwards = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(400)])
+    points = outwards + height[:, None] * [0.0, 0.0, 1.0] + random.normal(0.0, 0.1, (400, 3))
+    angle = np.degrees(np.arccos(np.abs((decoded(codes_of(points)) * outwards).sum(axis=1))))
+    assert np.median(angle) < 30.0
+    assert np.quantile(angle, 0.75) < 50.0
 
 
 @pytest.mark.parametrize("flatness", [(3.0, 1.0, 0.001), (3.0, 1.0, 0.9), (1.0, 1e-3, 0.0)])

@@ -26,7 +26,7 @@ def leaf(turn: float = 0.0) -> Clip:
         [flat[:, 0] * np.cos(turn), flat[:, 0] * np.sin(turn), flat[:, 1]]
     ).astype(np.float32)
     neighbors = nearest_neighbors(points)
-    normals = np.tile(surface_normals(covariances(points, neighbors), neighbors), 2)
+    normals = np.tile(surface_normals(points, covariances(points, neighbors), neighbors), 2)
     ids = np.zeros(len(points), np.uint16)
     movers = Movers(Motion.MOVE, (points, points), ids, normals=normals)
     return Clip(
