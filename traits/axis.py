@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from traits.neighbors import Neighbors
+
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
@@ -50,7 +52,9 @@ class Axis:
         return float(np.degrees(np.arccos(np.clip(self.start @ direction, -1.0, 1.0))))
 
 
-def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | None:
+def axis_of(
+    points: Points, neighbors: Neighbors, parent: Points, up: NDArray[np.float64]
+) -> Axis | None:
     """Estimate the medial axis of an organ.
 
     The two ends are the points with the largest geodesic distance on the kNN graph. If both are far
@@ -61,6 +65,8 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
     ----------
     points : ndarray of shape (N, 3), float64
         Points of the organ.
+    neighbors : Neighbors
+        Of the points.
     parent : ndarray of shape (M, 3), float64
         Points of the organ that it grows on, which determine the base. Empty for the stem, whose
         base is its lower end.
@@ -76,7 +82,7 @@ def axis_of(points: Points, parent: Points, up: NDArray[np.float64]) -> Axis | N
 
     if len(points) < MIN_POINTS or not np.ptp(points, axis=0).any():
         return None
-    graph, spacing = _graph(points)
+    graph, spacing = _graph(points, neighbors)
 
     @cache  # the base and the tip are usually the two ends, from which distances are known then
     def distances_from(*sources: int) -> NDArray[np.float64]:
@@ -180,7 +186,7 @@ def _end(
     return (last + (max(float((point - last) @ direction), 0.0) + extrapolation) * direction)[None]
 
 
-def _graph(points: Points) -> tuple[csr_matrix, float]:
+def _graph(points: Points, neighbors: Neighbors) -> tuple[csr_matrix, float]:
     """Connected kNN graph with Euclidean edge lengths, and the point spacing.
 
     Components are joined to the largest one by their shortest edge, one after the other.
@@ -189,12 +195,12 @@ def _graph(points: Points) -> tuple[csr_matrix, float]:
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
-    count, k = len(points), min(GRAPH_NEIGHBORS, len(points) - 1)
-    distance, neighbors = cKDTree(points).query(points, k=k + 1)
-    spacing = float(np.median(distance[:, 1]))
-    smallest = 1e-9 * max(float(distance.max()), 1e-300)  # scipy drops edges of length 0
-    edges = np.column_stack([np.repeat(np.arange(count), k), neighbors[:, 1:].ravel()])
-    lengths = distance[:, 1:].ravel()
+    distances, indices = (values[:, :GRAPH_NEIGHBORS] for values in neighbors)
+    count, k = indices.shape
+    spacing = float(np.median(distances[:, 0]))
+    smallest = 1e-9 * max(float(distances.max()), 1e-300)  # scipy drops edges of length 0
+    edges = np.column_stack([np.repeat(np.arange(count), k), indices.ravel()])
+    lengths = distances.ravel()
     while True:
         weights = np.maximum(lengths, smallest)
         graph = coo_matrix((weights, edges.T), shape=(count, count)).tocsr()

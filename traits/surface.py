@@ -5,11 +5,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from traits.neighbors import Neighbors
 from traits.smooth import tangent_frames
 
 Points = NDArray[np.float64]
 
-CELL_NEIGHBORS = 24  # neighbours that may bound the Voronoi cell of a point
 FRAME_NEIGHBORS = 12  # to which its tangent plane is fitted
 DIRECTIONS = 32  # number of directions in which the extent of a cell is measured
 # Radii of discs, and widths of the strip by which the union of such discs exceeds a border, both in
@@ -34,7 +34,9 @@ class Surface(NamedTuple):
     border: float  # share of the points at a border; if it is large, the area is uncertain
 
 
-def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Surface:
+def surface_of(
+    points: Points, neighbors: Neighbors, variance: float = 0.0, mixed: float = 0.0
+) -> Surface:
     """Estimate the area of the surface that points were sampled from.
 
     The union of discs around the points covers most of the surface and exceeds its border a little.
@@ -49,6 +51,8 @@ def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Sur
     Parameters
     ----------
     points : ndarray of shape (N, 3)
+    neighbors : Neighbors
+        Of the points.
     variance : float
         Variance of the noise that remains in the distance between neighbours.
     mixed : float
@@ -61,7 +65,7 @@ def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Sur
     """
     if len(points) < MIN_POINTS_FOR_AREA:
         return Surface(0.0, 1.0)
-    unit, cells = _cells(points, variance)
+    unit, cells = _cells(points, neighbors, variance)
     if unit <= 0.0:
         return Surface(0.0, 1.0)
 
@@ -86,18 +90,17 @@ def surface_of(points: Points, variance: float = 0.0, mixed: float = 0.0) -> Sur
     return Surface(area, float(border.mean()))
 
 
-def _cells(points: Points, variance: float) -> tuple[float, NDArray[np.float64]]:
+def _cells(
+    points: Points, neighbors: Neighbors, variance: float
+) -> tuple[float, NDArray[np.float64]]:
     """Approximate mean point distance, and (N, DIRECTIONS) extents of the Voronoi cells.
 
     Neighbours are placed in the tangent plane at their direction and their distance in space, since
     a projection would reduce the width of thin stems. Neighbours in a direction near the normal
     belong to another surface and are ignored.
     """
-    from scipy.spatial import cKDTree
-
-    distance, neighbors = cKDTree(points).query(points, k=min(CELL_NEIGHBORS, len(points) - 1) + 1)
-    distance, neighbors = distance[:, 1:], neighbors[:, 1:]
-    offsets = points[neighbors] - points[:, None]
+    distance, indices = neighbors
+    offsets = points[indices] - points[:, None]
     flat = (offsets @ tangent_frames(offsets[:, :FRAME_NEIGHBORS]))[..., 1:]
     length = np.linalg.norm(flat, axis=2)
     flat[length <= 0.5 * distance] = 0.0

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from traits.axis import axis_of
+from traits.neighbors import nearest_neighbors
 from traits.organs import Organ, samples_at
 from traits.smooth import fit_patches, noise_of, smoothed
 from traits.surface import Surface, surface_of
@@ -121,8 +122,9 @@ def _measure_sample(
         organ, deviation, (points, remaining) = organs[track], noise.of(track), smooth[track]
         parent = tracks[track].parent
         parent_points = no_points if parent not in smooth else smooth[parent].points
-        axis = axis_of(points, parent_points, up)
-        surface = surface_of(points, remaining * deviation**2, organ.mixed)
+        neighbors = nearest_neighbors(points)
+        axis = axis_of(points, neighbors, parent_points, up)
+        surface = surface_of(points, neighbors, remaining * deviation**2, organ.mixed)
         hull = _hull(points, organ.mixed, deviation)
         length = None if axis is None else axis.length
         sure = _sure_traits(surface, len(points), length or 0.0, deviation, remaining)
