@@ -14,7 +14,7 @@ const float UNKNOWN = 2.0;  // component of a normal that has to be derived from
 
 // In radii of a splat: up to CORE it occludes what lies behind it, up to RIM it contributes to the
 // surface (the weight there is 4 %), and splats within THICKNESS in depth are one surface.
-const float CORE = 0.7, RIM = 0.9, THICKNESS = 1.6;
+const float CORE = 0.7, RIM = 0.9, THICKNESS = 2.0;
 
 float relative_depth(float view_depth) {
     return (view_depth - target_depth) / scene_radius;
