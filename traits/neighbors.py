@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-NEIGHBORS = 24  # enough to bound the Voronoi cell of a point
+NEIGHBORS = 24  # of a point, enough to bound its Voronoi cell
 
 
 class Neighbors(NamedTuple):
@@ -21,10 +21,10 @@ class Neighbors(NamedTuple):
     indices: NDArray[np.intp]
 
 
-def nearest_neighbors(points: NDArray[np.float64], k: int = NEIGHBORS) -> Neighbors:
-    """Find the k nearest other points of each of (N, 3) points, fewer if N is at most k."""
+def nearest_neighbors(points: NDArray[np.float64]) -> Neighbors:
+    """Find the 24 nearest other points of each of (N, 3) points, or all others if N is smaller."""
     from scipy.spatial import cKDTree
 
-    ranks = [*range(1, min(k + 1, len(points)) + 1)]  # the first is the point itself
+    ranks = [*range(1, min(NEIGHBORS + 1, len(points)) + 1)]  # the first is the point itself
     distances, indices = cKDTree(points).query(points, ranks)
     return Neighbors(distances[:, 1:], indices[:, 1:])

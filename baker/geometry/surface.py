@@ -1,7 +1,5 @@
 """Estimate the surface normal at every point, and the area that the point represents."""
 
-from functools import partial
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,9 +10,12 @@ Floats = NDArray[np.floating]
 
 # docs/method.md, "Density".
 PLANAR_RATIO = 1.5  # greatest area : spread of a neighbourhood; it is higher on a thin rod
-CURVATURE_WEIGHT = 8.0  # in the normals of stems; with more of it they are the same
-TINY = float(np.finfo(float).tiny)  # keeps divisors from being 0
 MAX_AREA_QUANTILE = 0.98  # of the areas of all points, to which larger ones are reduced
+
+MIN_CURVATURE = (
+    0.125  # squared, in middle variances; less of it has less weight in normals of stems
+)
+TINY = float(np.finfo(float).tiny)  # keeps divisors from being 0
 
 
 def normals_and_areas(
@@ -93,15 +94,17 @@ def surface_normals(
     codes = np.zeros((count, 2), np.uint8)
     if k < 3:
         return codes
-    averaged = partial(_averaged, neighbors=neighbors, map=map)
-    once = averaged(np.concatenate([covariance, points.T]).T)
-    mean, curvature = once[:, :6].T, (once[:, 6:] - averaged(once[:, 6:])).T
+    averaged = _averaged(np.concatenate([covariance, points.T]).T, neighbors, map)
+    mean, positions = averaged[:, :6].T, averaged[:, 6:]
+    curvature = (positions - _averaged(positions, neighbors, map)).T
 
     def compute(part: slice) -> None:
-        _, smallest, middle = np.maximum(_eigenvalues(mean[:, part]), TINY)
+        # The variance along the curvature is reduced, so that the axis of the smallest variance turns
+        # to it: on stems, where this variance and the middle one are alike, but hardly on sheets.
+        smallest, middle, _ = np.maximum(_eigenvalues(mean[:, part]), TINY)
         x, y, z = curvature[:, part]
-        divisor = np.maximum(x * x + y * y + z * z, middle / CURVATURE_WEIGHT)
-        weight = np.minimum(smallest / middle, 1.0) ** 3 * middle / divisor
+        squared = np.maximum(x * x + y * y + z * z, MIN_CURVATURE * middle)
+        weight = np.minimum(smallest / middle, 1.0) ** 3 * middle / squared
         products = np.array([x * x, y * y, z * z, x * y, y * z, z * x])
         codes[part] = octahedral(_minor_axes(mean[:, part] - weight * products))
 
@@ -129,7 +132,7 @@ def _averaged(values: Floats, neighbors: Neighbors, map: MapLike) -> Floats:
 
 
 def _eigenvalues(covariance: Floats) -> Floats:
-    """(3, N) eigenvalues, the largest, the smallest and the middle one.
+    """(3, N) eigenvalues in ascending order.
 
     Equivalent to ``np.linalg.eigvalsh``, which takes five times as long (O. K. Smith: Eigenvalues
     of a symmetric 3 x 3 matrix, 1961).
@@ -140,13 +143,13 @@ def _eigenvalues(covariance: Floats) -> Floats:
     scale = np.maximum(np.sqrt(squares / 6), TINY)
     determinant = x * (y * z - yz**2) - xy * (xy * z - yz * zx) + zx * (xy * yz - y * zx)
     angle = np.arccos(np.clip(determinant / (2 * scale**3), -1, 1)) / 3
-    return mean + 2 * scale * np.cos(angle + np.array([[0.0], [2.0], [4.0]]) * np.pi / 3)
+    return mean + 2 * scale * np.cos(angle + np.array([[2.0], [4.0], [0.0]]) * np.pi / 3)
 
 
 def _minor_axes(covariance: Floats) -> Floats:
     """(N, 3) eigenvectors of the smallest eigenvalue, of any length; z if all are equal."""
     # Minus the eigenvalue, the matrix has rank two: its adjugate's columns are eigenvectors.
-    (x, y, z), (xy, yz, zx) = covariance[:3] - _eigenvalues(covariance)[1], covariance[3:]
+    (x, y, z), (xy, yz, zx) = covariance[:3] - _eigenvalues(covariance)[0], covariance[3:]
     adjugate = np.array(
         [
             [y * z - yz**2, yz * zx - xy * z, xy * yz - y * zx],

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from traits import surface
-from traits.neighbors import nearest_neighbors
+from traits.neighbors import NEIGHBORS, nearest_neighbors
 from traits.smooth import FRAME_NEIGHBORS, PATCH_SIZES, RIDGE, fit_patches
 
 
@@ -59,10 +59,10 @@ def test_cells_end_half_way_to_the_neighbours():
     cloud = np.vstack(
         [sheet, sheet[::40] + np.array([0.01, 0.0, 0.1])]
     )  # some points of another sheet
-    distance, neighbors = found = nearest_neighbors(cloud)
+    distance, neighbors = (found[:, 1:] for found in cKDTree(cloud).query(cloud, k=NEIGHBORS + 1))
     turns = (np.arange(surface.DIRECTIONS) + 0.5) * 2 * np.pi / surface.DIRECTIONS
     directions = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    _, cells = surface._cells(cloud, found, variance)
+    _, cells = surface._cells(cloud, nearest_neighbors(cloud), variance)
     for i in range(0, len(sheet), 40):
         near = cloud[neighbors[i]]
         axes = tangent_frame(near[: surface.FRAME_NEIGHBORS])[:, 1:]
