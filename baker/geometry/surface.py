@@ -12,9 +12,7 @@ Floats = NDArray[np.floating]
 PLANAR_RATIO = 1.5  # greatest area : spread of a neighbourhood; it is higher on a thin rod
 MAX_AREA_QUANTILE = 0.98  # of the areas of all points, to which larger ones are reduced
 
-MIN_CURVATURE = (
-    0.125  # squared, in middle variances; less of it has less weight in normals of stems
-)
+MIN_CURVATURE = 0.125  # squared, in middle variances; less of it turns normals of stems less
 TINY = float(np.finfo(float).tiny)  # keeps divisors from being 0
 
 
@@ -99,7 +97,7 @@ def surface_normals(
     curvature = (positions - _averaged(positions, neighbors, map)).T
 
     def compute(part: slice) -> None:
-        # The variance along the curvature is reduced, so that the axis of the smallest variance turns
+        # The variance along the curvature is reduced, so that the axis of the smallest one turns
         # to it: on stems, where this variance and the middle one are alike, but hardly on sheets.
         smallest, middle, _ = np.maximum(_eigenvalues(mean[:, part]), TINY)
         x, y, z = curvature[:, part]
