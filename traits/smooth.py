@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
 
-PATCH_SIZES = (12, 20, 40, 100)  # numbers of neighbours; the first is used to estimate the noise
-MAX_PATCH = 40  # most neighbours, if all points of the cloud are smoothed; else more in proportion
+PATCH_SIZES = (12, 30, 100)  # numbers of neighbours; the first is used to estimate the noise
+MAX_PATCH = 30  # most neighbours, if all points of the cloud are smoothed; else more in proportion
 FRAME_NEIGHBORS = 20  # number of neighbours to which a tangent plane is fitted
 # Regularisation of a paraboloid's terms 1, x, y, x², xy and y², for points on a line.
 RIDGE = np.array([1e-9, 1e-9, 1e-9, 1e-3, 1e-3, 1e-3])
