@@ -32,13 +32,14 @@ from baker.matching.corrections import (
 )
 from baker.matching.labels import LabelUse, label_policy, with_tracked_labels
 from baker.matching.match import chain_matches, match_series
+from baker.matching.segmentation_choice import choose_segmentations
 from baker.options import Options
 from baker.scans import Finding, Series, read_series
 from baker.segmentation.from_labels import coarse_hierarchies, labelled_hierarchies
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
 from baker.segmentation.hierarchy import Hierarchy, one_segment
 from baker.segmentation.label_cleaning import with_clean_labels
-from baker.segmentation.organs import segment_organs
+from baker.segmentation.organs import candidate_organs
 from baker.transport.solve import wasserstein
 from baker.transport.tasks import interval_tasks
 from baker.verdict.judge import judge_clip
@@ -229,8 +230,9 @@ def _segment(
         return labels, list(map(hierarchy_from_spanning_tree, *scans, k, threshold))
     is_complete = len(organs) == len(clouds)
     if not is_complete:
-        pairs = zip(labels.labels, segment_organs(clouds, bases, map), strict=True)
-        organs = [by_shape if labelled is None else labelled for labelled, by_shape in pairs]
+        pairs = zip(labels.labels, map(candidate_organs, clouds, bases), strict=True)
+        candidates = [by_shape if known is None else [known] for known, by_shape in pairs]
+        organs = choose_segmentations(clouds, bases, candidates, not organs, map)
     organs = with_corrected_organs(organs, aligned, corrections)
     labels = labels.with_available(organs)
     if not is_complete or not (labels.consistent or options.paper):

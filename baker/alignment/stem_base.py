@@ -132,19 +132,8 @@ def base_point(
 ) -> int:
     """Index of the point of a scan that is the base of the plant.
 
-    Parameters
-    ----------
-    points : (N, 3) float
-    vertical : Vertical
-    neighbors : Neighbors, optional
-        Of the points; those that are outliers are ignored.
-    near : (3,) float, optional
-        The plant base; by default the height of the lowest point decides.
-
-    Returns
-    -------
-    int
-        The inlier nearest to the plant base, or else the lowest one.
+    It is the one nearest to `near`, the (3,) plant base, and by default the lowest one. Outliers
+    among the (N, 3) points, as their `neighbors` tell, are ignored.
     """
     neighbors = neighbors or nearest_neighbors(points, NEIGHBORS_FOR_RADIUS)
     distance = vertical.height(points) if near is None else ((points - near) ** 2).sum(axis=1)

@@ -58,18 +58,9 @@ def locate_corrections(
 ) -> tuple[PointCorrection, ...]:
     """Find the points of the scans that corrections refer to.
 
-    Parameters
-    ----------
-    corrections : sequence of Correction
-    raw, series, aligned : Series, Series, AlignedSeries
-        All scans, the scans to bake, and these in one frame; corrections in others are ignored.
-    scale : float
-        The factor by which the coordinates in the files were multiplied.
-
-    Raises
-    ------
-    InputError
-        If a scan is not in the series, or a place is far from its points.
+    raw, series, aligned: all scans, the scans to bake, and these in one frame; corrections in
+    others are ignored. scale: the factor by which the coordinates in the files were multiplied.
+    Raises InputError if a scan is not in the series, or a place is far from its points.
     """
     numbers = {scan.name: k for k, scan in enumerate(series.scans)}
     scan_names, located = [scan.name for scan in raw.scans], []
@@ -116,17 +107,7 @@ def with_corrected_organs(
 ) -> list[Labels]:
     """Apply the corrections with places in one scan: cut organs off, join and separate them.
 
-    Parameters
-    ----------
-    labels : sequence of (N,) int64
-        The organ of each point of each scan.
-    aligned : AlignedSeries
-    corrections : sequence of PointCorrection
-
-    Returns
-    -------
-    list of (N,) int64
-        Parts that are cut off have new labels.
+    labels: for each scan the (N,) organs of its points. Parts that are cut off have new labels.
     """
     corrected = list(labels)
     for correction in sorted(corrections, key=lambda item: item.kind != "cut"):
@@ -157,18 +138,10 @@ def with_corrected_links(
     """Apply the corrections with places in two scans to labels that are consistent.
 
     From the later scan on, an organ that is the same as an earlier one swaps labels with the organ
-    that has the earlier one's label, and an organ that is a different one gets a new label.
+    that has the earlier one's label, and an organ that is a different one gets a new label. Raises
+    InputError if corrections contradict each other.
 
-    Parameters
-    ----------
-    labels : sequence of (N,) int64
-        The organ of each point of each scan.
-    corrections : sequence of PointCorrection
-
-    Raises
-    ------
-    InputError
-        If corrections contradict each other.
+    labels: for each scan the (N,) organs of its points.
     """
     corrected = list(labels)
     links = sorted((c for c in corrections if c.spans_scans), key=lambda c: c.places[1][0])

@@ -46,18 +46,9 @@ class LeafletPair:
 def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> list[LeafletPair]:
     """Divide an organ into pairs of matched leaflets, and the rest.
 
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-        The organ in two successive scans.
-    attachments : (int, int)
-        Indices of the attachment points.
-
-    Returns
-    -------
-    list of LeafletPair
-        A partition of the points of both scans; empty if the organ has no leaflets in one of the
-        scans, or too few of them match.
+    start, end: (n, 3) and (m, 3), the organ in two successive scans. attachments: indices of the
+    attachment points. Returns a partition of the points of both scans; it is empty if the organ has
+    no leaflets in one of the scans, or too few of them match.
     """
     sides: list[Indices] = [np.empty(0, np.intp)] * 2
     for side in sorted((0, 1), key=lambda side: len((start, end)[side])):

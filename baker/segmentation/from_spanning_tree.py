@@ -21,24 +21,11 @@ def hierarchy_from_spanning_tree(
     k: int = 15,
     threshold: int | None = None,
 ) -> Hierarchy:
-    """Segment a cloud at the bifurcations of its minimum spanning tree (section 3.2.2).
+    """Segment (N, 3) points at the bifurcations of their minimum spanning tree (section 3.2.2).
 
-    Parameters
-    ----------
-    points : (N, 3) float ndarray
-    root : int
-        Index of the point at the plant base.
-    neighbors : Neighbors, optional
-        Of the points; queried by default.
-    k : int
-        Number of neighbours in the kNN graph.
-    threshold : int, optional
-        The paper's c, a number of edges: branches with a longer path are segments. By default
-        18 % of the longest path from the root.
-
-    Returns
-    -------
-    Hierarchy
+    root: index of the point at the plant base. neighbors: of the points; queried by default.
+    k: number of neighbours in the kNN graph. threshold: the paper's c, a number of edges; branches
+    with a longer path are segments. It is 18 % of the longest path from the root by default.
     """
     from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 

@@ -20,19 +20,10 @@ MAX_POINTS_SEARCHED = 2000  # of the organ; more points don't improve the segmen
 
 
 def segment_leaflets(points: NDArray[np.floating], attachment: int) -> NDArray[np.intp]:
-    """Segment the points of an organ into leaflets.
+    """Segment the (n, 3) points of an organ into leaflets.
 
-    Parameters
-    ----------
-    points : (n, 3) float ndarray
-    attachment : int
-        Index of the attachment point.
-
-    Returns
-    -------
-    (n,) intp ndarray
-        The leaflet of each point, from 0 on; -1 on the stalk, and for all points if there are not
-        at least two leaflets.
+    attachment: index of the attachment point. Returns the (n,) leaflet of each point, from 0 on;
+    -1 on the stalk, and for all points if there are not at least two leaflets.
     """
     from scipy.spatial import cKDTree
 

@@ -1,22 +1,26 @@
 """Classify the nodes of a plant's Reeb graph as stem and petioles, blades, or bare branches.
 
 Within one stem diameter of a point, the points of a stem or petiole form a rod, those of a blade a
-flat sheet; and sections of blades are wider than the stem. On every path from the base to a tip,
-the stem ends and a blade starts at most once. The starts that fit the points best, for all paths
-together, are found by dynamic programming from the tips down.
+flat sheet; and blades are wider than the stem, in their sections and within three diameters. On
+every path from the base to a tip, the stem ends and a blade starts at most once. The starts that
+fit the points best, for all paths together, are found by dynamic programming from the tips down.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.principal_axes import principal_spreads
+from baker.geometry.sampling import voxel_downsample
 from baker.segmentation.reeb_graph import PlantSample, ReebTree
 
 # docs/method.md, "Organs without labels".
-BALL_RADIUS = 1.0  # of the neighbourhood of a point, in stem diameters
-MIN_ROD_FLATNESS = 0.55  # ratio of the least two axes of a neighbourhood, above which it is a rod
+# Coefficients of a logistic regression on twenty real series, divided by 2.3.
+BALL_RADIUS, WIDE_RADIUS = 1.0, 3.0  # of the neighbourhoods of a point, in stem diameters
+WIDE_SPACING = 0.6  # voxel size of the sample of which the larger ones consist, in stem diameters
+MIN_ROD_FLATNESS = 0.4  # ratio of the least two axes of a neighbourhood, above which it is a rod
 FLATNESS_RANGE = 0.3  # distance from that ratio at which the score is 1
-WIDTH_WEIGHT = 0.6  # of the logarithm of a section's width in stem diameters
+# Weights of the logarithms of the widths in stem diameters: of sections and of neighbourhoods.
+SECTION_WEIGHT, WIDTH_WEIGHT = 0.6, 0.85
 MIN_BLADE_AREA = 0.7  # in squared stem diameters
 MIN_SLENDERNESS = 1.25  # squared length : area, above which a branch of a blade is a separate blade
 MIN_BARE_LENGTH = 2.0  # of a branch without blades that is an organ, in stem diameters
@@ -24,13 +28,14 @@ STEM = 0  # the organ of stem and petioles
 
 
 def blade_scores(sample: PlantSample, tree: ReebTree) -> NDArray[np.float64]:
-    """(n,) scores of the points of a sample, from -1 (on stem or petiole) to 1 (on a blade).
+    """(n,) scores of the points of a sample, negative on stem or petiole, positive on a blade.
 
-    They depend on the flatness around the point and on the width of its section.
+    They depend on the flatness around the point, and on the widths there and of its section.
     """
     flat = (MIN_ROD_FLATNESS - flatness(sample)) / FLATNESS_RANGE
-    wide = np.log(np.clip(tree.width / sample.diameter, 1.0 / np.e, np.e))
-    return np.clip(flat + WIDTH_WEIGHT * wide[tree.node], -1.0, 1.0)
+    section = np.log(np.clip(tree.width / sample.diameter, 1.0 / np.e, np.e))
+    width = np.log(np.maximum(local_width(sample) / sample.diameter, np.finfo(float).tiny))
+    return flat + SECTION_WEIGHT * section[tree.node] + WIDTH_WEIGHT * width
 
 
 def organs_of_nodes(
@@ -38,7 +43,7 @@ def organs_of_nodes(
 ) -> NDArray[np.intp]:
     """(m,) organ of each node: 0 for stem and petioles, from 1 on for blades and bare branches.
 
-    scores: (n,) of the points of the sample, as `blade_scores` returns them.
+    scores: (n,) of the points of the sample, from -1 (on stem or petiole) to 1 (on a blade).
     """
     score, area = (
         tree.subtree_sums(sample.spacing**2 * np.bincount(tree.node, weights))
@@ -71,6 +76,15 @@ def flatness(sample: PlantSample) -> NDArray[np.float64]:
     """(n,) ratio of the two smaller principal axes around points: 1 in a rod, 0 on a flat sheet."""
     spreads = principal_spreads(sample.points, BALL_RADIUS * sample.diameter)
     return spreads[:, 0] / np.maximum(spreads[:, 1], np.finfo(float).tiny)
+
+
+def local_width(sample: PlantSample) -> NDArray[np.float64]:
+    """(n,) root mean square width of the wider neighbourhoods of points, along the middle axis."""
+    from scipy.spatial import cKDTree
+
+    coarse = sample.points[voxel_downsample(sample.points, WIDE_SPACING * sample.diameter)]
+    spreads = principal_spreads(coarse, WIDE_RADIUS * sample.diameter)
+    return np.asarray(2.0 * spreads[cKDTree(coarse).query(sample.points)[1], 1])
 
 
 def _blade_starts(tree: ReebTree, blade_score: NDArray[np.float64]) -> NDArray[np.bool_]:

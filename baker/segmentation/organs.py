@@ -1,75 +1,51 @@
-"""Segment scans without labels into organs: stem with petioles, leaf blades, bare branches.
+"""Segment scans without labels into organs by shape: stem with petioles, blades, bare branches.
 
-The scans are segmented from the last one to the first, and the organs of the next scan at the same
-position are taken into account: a leaf that is unfolded on day 9 identifies its bud of day 5. The
-previous scan would not help, since a new leaf has no organ, or the stem, in its position there.
+Where the stem ends is not always clear in a single scan, so that scans are segmented with several
+thresholds. `baker.matching.segmentation_choice` decides between them, by the adjacent scans.
 """
-
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.parallel import MapLike
 from baker.segmentation.organ_classification import STEM, blade_scores, organs_of_nodes
-from baker.segmentation.reeb_graph import PlantSample, ReebTree, reeb_tree, sample_plant
+from baker.segmentation.reeb_graph import PlantSample, reeb_tree, sample_plant
 
-Points = NDArray[np.floating]
-Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 # docs/method.md, "Organs without labels".
-MAX_DISTANCE = 2.0  # stem diameters to the next scan, at which its weight is 0
-NEXT_WEIGHT = 0.5  # greatest weight of the next scan; that of the scan itself is 1
+SCORE_SHIFTS = (0.0, -0.25, 0.25)  # added to the scores of blades, one for each segmentation
 MIN_TOUCHING_SHARE = 0.4  # of the points of a strip, except for its base, that touch its organ
 MAX_GAP = 3.0  # point spacings between points that touch
 BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of a level set
 
 
-def segment_organs(
-    clouds: Sequence[Points], bases: Sequence[int], map: MapLike = map
-) -> list[NDArray[np.int64]]:
-    """Segment the scans of a plant into organs by their shape.
+def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.int64]]:
+    """Segment a scan into organs by their shape, in several ways.
 
     Parameters
     ----------
-    clouds, bases : sequences
-        For each aligned scan: (N, 3) points, the index of the one at the plant base.
-    map : map-like callable
-        Maps over the scans.
+    cloud : (N, 3) float ndarray
+        The aligned scan.
+    base : int
+        Index of the point at the plant base.
 
     Returns
     -------
-    list of (N,) int64
-        The organ of each point, 0 for stem and petioles. Other organs are numbered independently in
-        each scan.
+    list of (N,) int64 ndarray
+        Different segmentations, the most likely one first. Each has the organ of every point, 0 for
+        stem and petioles.
     """
-    numbers, following = [], None
-    for sample, tree, scores in reversed(list(map(_prepare, clouds, bases))):
-        organ = np.zeros(len(sample.points), np.intp)
-        if tree is not None:
-            if following is not None:
-                scores = scores + _scores_from_next(sample, *following)
-            organ = merge_strips(sample, organs_of_nodes(sample, tree, scores)[tree.node])
-        following = None if tree is None else (sample, organ)
-        numbers.append(organ[sample.nearest].astype(np.int64))
-    return numbers[::-1]
-
-
-def _prepare(cloud: Points, base: int) -> tuple[PlantSample, ReebTree | None, Floats | float]:
-    """The sample, Reeb tree and blade scores of a scan; no tree if the scan is too small."""
     sample = sample_plant(cloud, base)
-    tree = reeb_tree(sample) if sample.diameter > 0.0 else None
-    return sample, tree, 0.0 if tree is None else blade_scores(sample, tree)
-
-
-def _scores_from_next(sample: PlantSample, following: PlantSample, organ: Indices) -> Floats:
-    """(n,) blade scores of the points of a scan, from the nearest organs of the following scan."""
-    from scipy.spatial import cKDTree
-
-    distance, nearest = cKDTree(following.points).query(sample.points)
-    weight = np.maximum(1.0 - distance / (MAX_DISTANCE * sample.diameter), 0.0)
-    return NEXT_WEIGHT * np.where(organ[nearest] == STEM, -weight, weight)
+    if sample.diameter == 0.0:
+        return [np.zeros(len(cloud), np.int64)]
+    tree, candidates = reeb_tree(sample), list[Indices]()
+    scores = blade_scores(sample, tree)
+    for shift in SCORE_SHIFTS:
+        nodes = organs_of_nodes(sample, tree, np.clip(scores + shift, -1.0, 1.0))
+        organ = merge_strips(sample, nodes[tree.node])
+        if not any(np.array_equal(organ, other) for other in candidates):
+            candidates.append(organ)
+    return [organ[sample.nearest].astype(np.int64) for organ in candidates]
 
 
 def merge_strips(sample: PlantSample, organ: Indices) -> Indices:

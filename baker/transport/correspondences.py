@@ -28,18 +28,9 @@ def correspond(
 ) -> Correspondences:
     """Pair the points of an organ by optimal transport.
 
-    Parameters
-    ----------
-    start, end : (n, 3) and (m, 3) float ndarray
-        The organ in two successive scans, in length units.
-    options : TransportOptions
-    parts : sequence of LeafletPair, optional
-        A partition of the points into parts that are transported separately, with `overlap_masses`,
-        so that the points of a leaf are not transported to new leaves next to it.
-
-    Returns
-    -------
-    Correspondences
+    start, end: (n, 3) and (m, 3), the organ in two successive scans, in length units. parts: a
+    partition of the points into parts that are transported separately, with `overlap_masses`, so
+    that the points of a leaf are not transported to new leaves next to it.
     """
     whole = LeafletPair(np.arange(len(start)), np.arange(len(end)), (start, end))
     options = replace(options, overlap=bool(parts))
