@@ -13,7 +13,7 @@ from baker.segmentation.reeb_graph import PlantSample, reeb_tree, sample_plant
 Indices = NDArray[np.intp]
 
 # docs/method.md, "Organs without labels".
-SCORE_SHIFTS = (0.0, -0.25, 0.25)  # added to the scores of blades, one for each segmentation
+SCORE_SHIFTS = (0.0, -0.15, 0.25)  # added to the scores of blades, one for each segmentation
 MIN_TOUCHING_SHARE = 0.4  # of the points of a strip, except for its base, that touch its organ
 MAX_GAP = 3.0  # point spacings between points that touch
 BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of a level set
