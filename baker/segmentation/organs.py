@@ -58,7 +58,7 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
     """
     from scipy.sparse import csr_matrix
 
-    adjacency, organ = sample.graph.copy(), organ.copy()
+    adjacency = sample.graph.copy()
     row_starts = np.arange(len(organ) + 1)  # one entry in each row
     adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)
     adjacency = adjacency + adjacency.T
@@ -78,5 +78,10 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
         np.fill_diagonal(is_strip, False)
         if not is_strip.any():
             return organ
-        smallest = np.where(is_strip.any(axis=1), beyond_size, np.inf).argmin()
-        organ[organ == smallest] = is_strip[smallest].argmax()
+        strips = np.flatnonzero(is_strip.any(axis=1))
+        merged, has_grown = np.arange(m), np.zeros(m, bool)
+        for strip in strips[np.argsort(beyond_size[strips], kind="stable")]:
+            other = is_strip[strip].argmax()
+            if merged[other] == other and not has_grown[strip]:  # or else in the next round
+                merged[strip], has_grown[other] = other, True
+        organ = merged[organ]
