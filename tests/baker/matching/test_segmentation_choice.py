@@ -47,7 +47,7 @@ def test_a_stem_merged_with_a_blade_is_not_chosen_where_the_plant_leans():
     lean = Rotation.from_euler("x", 60, degrees=True)
     clouds = [clouds[0], lean.apply(clouds[1])]
     bases = [int(np.linalg.norm(cloud, axis=1).argmin()) for cloud in clouds]
-    merged = np.where(truths[1] == 1, 0, truths[1])
+    merged = np.where(truths[1] == 3, 0, truths[1])
     chosen = choose_segmentations(clouds, bases, [[truths[0]], [merged, truths[1]]])
     assert np.array_equal(chosen[1], truths[1])
 
