@@ -14,11 +14,12 @@ from baker.geometry.sampling import voxel_downsample
 from baker.segmentation.reeb_graph import PlantSample, ReebTree
 
 # docs/method.md, "Organs without labels".
-# Coefficients of a logistic regression on twenty real series, divided by 2.3.
 BALL_RADIUS, WIDE_RADIUS = 1.0, 3.0  # of the neighbourhoods of a point, in stem diameters
 WIDE_SPACING = 0.6  # voxel size of the sample of which the larger ones consist, in stem diameters
-MIN_ROD_FLATNESS = 0.4  # ratio of the least two axes of a neighbourhood, above which it is a rod
-FLATNESS_RANGE = 0.3  # distance from that ratio at which the score is 1
+# The coefficients of a score are those of a logistic regression on twenty real series, divided by
+# 2.3. The flatness is the ratio of the least two axes of a neighbourhood. The score is 0 where that
+# is `MIN_ROD_FLATNESS` and the widths are those of the stem, and 1 if it is `FLATNESS_RANGE` less.
+MIN_ROD_FLATNESS, FLATNESS_RANGE = 0.4, 0.3
 # Weights of the logarithms of the widths in stem diameters: of sections and of neighbourhoods.
 SECTION_WEIGHT, WIDTH_WEIGHT = 0.6, 0.85
 MIN_BLADE_AREA = 0.7  # in squared stem diameters

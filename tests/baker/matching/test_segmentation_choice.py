@@ -18,7 +18,7 @@ def choose(clouds, candidates, stem=True):
 
 
 def cut(labels: np.ndarray, cloud: np.ndarray) -> np.ndarray:
-    """Another segmentation, with the largest blade cut across."""
+    """Another segmentation, with the first blade cut across."""
     own = labels == 1
     away = np.linalg.norm(cloud[:, :2], axis=1)
     return np.where(own & (away > np.median(away[own])), labels.max() + 1, labels)
