@@ -8,6 +8,7 @@
 #else
 #define WORDS 6
 #endif
+#define TRACK_WORDS (1 + WIDE_TRACKS)
 
 layout(std430, binding = 0) readonly buffer Points { uvec4 words[]; } stored_points[DEGREE + 1];
 layout(std430, binding = 4) readonly buffer Tracks { uvec4 stored_track[]; };
@@ -16,59 +17,50 @@ layout(std430, binding = 5) readonly buffer StartColors { uint stored_start_colo
 layout(std430, binding = 6) readonly buffer EndColors { uint stored_end_color[]; };
 #endif
 
-#if QUANTISED
-vec3 first_of(uvec3 words) {
-    return vec3(ivec3(words.x & 0xFFFFu, words.x >> 16, words.y & 0xFFFFu));
-}
-vec3 second_of(uvec3 words) {
-    return vec3(ivec3(words.y >> 16, words.z & 0xFFFFu, words.z >> 16));
-}
-vec3[8] unpacked(uvec4 w[WORDS]) {
-    uvec3 a = w[0].xyz, b = uvec3(w[0].w, w[1].xy), c = uvec3(w[1].zw, w[2].x), d = w[2].yzw;
-    return vec3[](first_of(a), second_of(a), first_of(b), second_of(b),
-                  first_of(c), second_of(c), first_of(d), second_of(d));
-}
-#else
-vec3[8] unpacked(uvec4 w[WORDS]) {
-    return vec3[](uintBitsToFloat(w[0].xyz), uintBitsToFloat(uvec3(w[0].w, w[1].xy)),
-                  uintBitsToFloat(uvec3(w[1].zw, w[2].x)), uintBitsToFloat(w[2].yzw),
-                  uintBitsToFloat(w[3].xyz), uintBitsToFloat(uvec3(w[3].w, w[4].xy)),
-                  uintBitsToFloat(uvec3(w[4].zw, w[5].x)), uintBitsToFloat(w[5].yzw));
-}
-#endif
-
-// Control points of eight curves; curves beyond the last point are undefined.
-struct Curves {
-    vec3 points[DEGREE + 1][8];
+// Eight movers as they are stored. Unpacked one after the other, they take fewer registers.
+struct Movers {
+    uvec4 curves[DEGREE + 1][WORDS];
+    uvec4 tracks[TRACK_WORDS];
 };
 
-Curves stored_curves(uint group) {
-    Curves curves;
-    for (int k = 0; k <= DEGREE; ++k) {
-        uvec4 words[WORDS];
-        for (uint i = 0u; i < uint(WORDS); ++i) {
-            words[i] = stored_points[k].words[group * uint(WORDS) + i];
+Movers stored_movers(uint group) {
+    Movers movers;
+    for (uint i = 0u; i < uint(WORDS); ++i) {
+        for (int k = 0; k <= DEGREE; ++k) {
+            movers.curves[k][i] = stored_points[k].words[group * uint(WORDS) + i];
         }
-        curves.points[k] = unpacked(words);
     }
-    return curves;
+    for (uint i = 0u; i < uint(TRACK_WORDS); ++i) {
+        movers.tracks[i] = stored_track[group * uint(TRACK_WORDS) + i];
+    }
+    return movers;
 }
 
-vec3[DEGREE + 1] curve_of(Curves curves, int i) {
+// One of eight positions; `i` is a constant.
+vec3 unpacked(uvec4 w[WORDS], int i) {
+#if QUANTISED
+    uvec3 pairs[4] = uvec3[](w[0].xyz, uvec3(w[0].w, w[1].xy), uvec3(w[1].zw, w[2].x), w[2].yzw);
+    uvec3 pair = pairs[i / 2], low = pair & 0xFFFFu, high = pair >> 16;
+    return vec3(ivec3(i % 2 == 0 ? uvec3(low.x, high.x, low.y) : uvec3(high.y, low.z, high.z)));
+#else
+    return uintBitsToFloat(uvec3(w[3 * i / 4][3 * i % 4], w[(3 * i + 1) / 4][(3 * i + 1) % 4],
+                                 w[(3 * i + 2) / 4][(3 * i + 2) % 4]));
+#endif
+}
+
+vec3[DEGREE + 1] curve_of(Movers movers, int i) {
     vec3 curve[DEGREE + 1];
     for (int k = 0; k <= DEGREE; ++k) {
-        curve[k] = curves.points[k][i];
+        curve[k] = unpacked(movers.curves[k], i);
     }
     return curve;
 }
 
-uint[8] stored_tracks(uint group) {
+uint track_of(Movers movers, int i) {
 #if WIDE_TRACKS
-    uvec4 a = stored_track[2u * group], b = stored_track[2u * group + 1u];
-    return uint[](a.x, a.y, a.z, a.w, b.x, b.y, b.z, b.w);
+    return movers.tracks[i / 4][i % 4];
 #else
-    uvec4 a = stored_track[group], low = a & 0xFFFFu, high = a >> 16;
-    return uint[](low.x, high.x, low.y, high.y, low.z, high.z, low.w, high.w);
+    return movers.tracks[0][i / 2] >> (16 * (i % 2)) & 0xFFFFu;
 #endif
 }
 

@@ -14,7 +14,10 @@ layout(r32ui, binding = 1) uniform uimage2D picked;
 uniform int count;
 uniform int stride;  // every n-th group of eight points is drawn
 
-void draw(int point, vec3 curve[DEGREE + 1], uint track) {
+void draw(int first, Movers movers, int i) {
+    int point = first + i;
+    uint track = track_of(movers, i);
+    vec3 curve[DEGREE + 1] = curve_of(movers, i);
     ivec2 texel;
     uint code;
     if (point >= count || is_hidden(track) || presence(point) == 0.0
@@ -39,9 +42,13 @@ void main() {
     if (8 * group >= count) {
         return;
     }
-    Curves curves = stored_curves(uint(group));
-    uint tracks[8] = stored_tracks(uint(group));
-    for (int i = 0; i < 8; ++i) {
-        draw(8 * group + i, curve_of(curves, i), tracks[i]);
-    }
+    Movers movers = stored_movers(uint(group));
+    draw(8 * group, movers, 0);  // not in a loop, which not every driver unrolls
+    draw(8 * group, movers, 1);
+    draw(8 * group, movers, 2);
+    draw(8 * group, movers, 3);
+    draw(8 * group, movers, 4);
+    draw(8 * group, movers, 5);
+    draw(8 * group, movers, 6);
+    draw(8 * group, movers, 7);
 }

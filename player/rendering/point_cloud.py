@@ -18,7 +18,7 @@ from player.view.style import Style
 
 PALETTE_WIDTH = 1024  # texels in a row of the palette
 MAX_TRACKS = 1024  # number of tracks that ten bits of a point's code tell apart
-WORKGROUP = 128  # invocations in a workgroup of a compute shader
+WORKGROUP = 64  # invocations in a workgroup of a compute shader
 POINTS_PER_INVOCATION = 8
 
 

@@ -7,11 +7,11 @@ uniform int count;
 
 void main() {
     int group = int(gl_GlobalInvocationID.x);
-    Curves curves = stored_curves(uint(group));
+    Movers movers = stored_movers(uint(group));
     for (int i = 0; i < 8; ++i) {
         int point = 8 * group + i;
         if (point < count) {
-            vec3 position = bezier(curve_of(curves, i));
+            vec3 position = bezier(curve_of(movers, i));
             for (int axis = 0; axis < 3; ++axis) {
                 found[3 * point + axis] = position[axis];
             }
