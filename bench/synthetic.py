@@ -48,11 +48,11 @@ def growing(count: int, degree: int = 2) -> Clip:
         part = slice(first, first + BLOCKS_AT_ONCE)
         patch, organ = np.divmod(order[part, None], ORGANS)
         row, column = np.divmod(patch, columns)
-        jitter = np.random.default_rng(first).random((2, len(patch), BLOCK))
+        jitter = np.random.default_rng(first).random((2, len(patch), BLOCK), np.float32)
         along = (row + (CELL_ALONG + jitter[0]) / CELLS[0]) / rows
         across = (column + (CELL_ACROSS + jitter[1]) / CELLS[1]) / columns - 0.5
         tracks[part] = organ
-        shapes = _control_points(organ, np.float32(along), np.float32(across), degree)
+        shapes = _control_points(organ, along.astype(np.float32), across.astype(np.float32), degree)
         for packed, points in zip(curve, shapes, strict=True):
             packed[part] = np.rint((points - np.float32(BOX.low)) / np.float32(BOX.step))
 
@@ -91,36 +91,39 @@ def static(count: int) -> Clip:
 def _control_points(
     organ: NDArray, along: NDArray, across: NDArray, degree: int
 ) -> tuple[NDArray, ...]:
-    """The control points of movers' curves, (..., 3) each."""
-    ages = (0.0, 1 / 3, 1 / 2, 2 / 3, 1.0)
-    start, third, half, two_thirds, end = (_shape(organ, along, across, age) for age in ages)
-    inner: dict[int, tuple[NDArray, ...]] = {
-        1: (),
-        2: (2.0 * half - 0.5 * (start + end),),
-        # The cubic curve through the positions at one and two thirds of the time.
-        3: (
+    """The control points of movers' curves, (B, BLOCK, 3) each; parameters: see `_shape`."""
+    taper = np.abs(np.sin(np.pi * (0.05 + 0.95 * along))) ** 0.7  # width of a leaf at its points
+    start, *between, end = (
+        _shape(organ, along, across, taper, i / degree) for i in range(degree + 1)
+    )
+    if degree == 2:  # through the position at half the time
+        between = [2.0 * between[0] - 0.5 * (start + end)]
+    elif degree == 3:  # through the positions at one and two thirds of the time
+        third, two_thirds = between
+        between = [
             (-5.0 * start + 18.0 * third - 9.0 * two_thirds + 2.0 * end) / 6.0,
             (2.0 * start - 9.0 * third + 18.0 * two_thirds - 5.0 * end) / 6.0,
-        ),
-    }
-    return start, *inner[degree], end
+        ]
+    return start, *between, end
 
 
-def _shape(organ: NDArray, along: NDArray, across: NDArray, age: float) -> NDArray:
-    """(..., 3) positions at an age from 0 to 1, on the stem for organ LEAVES, else on bent leaves.
+def _shape(organ: NDArray, along: NDArray, across: NDArray, taper: NDArray, age: float) -> NDArray:
+    """(B, BLOCK, 3) positions at an age from 0 to 1, on the stem for organ LEAVES, else on leaves.
 
-    organ: numbers of organs. along, across: float32 coordinates on them, from 0 to 1 and from -0.5
-    to 0.5.
+    organ: (B, 1) numbers of organs. along, across: (B, BLOCK) float32 coordinates on them, from 0
+    to 1 and from -0.5 to 0.5. taper: (B, BLOCK) factors on a leaf's width.
     """
-    height = 1.0 + 0.5 * age
-    angle = 2.0 * np.pi * across
-    stem = np.stack([0.03 * np.cos(angle), 0.03 * np.sin(angle), height * along], axis=-1)
-    length, bend = 0.45 + 0.25 * age, 1.2 + 0.8 * age
+    height, length, bend = 1.0 + 0.5 * age, 0.45 + 0.25 * age, 1.2 + 0.8 * age
     out = length * np.sin(bend * along + 0.3) / bend
-    aside = (0.18 + 0.06 * age) * across * np.abs(np.sin(np.pi * (0.05 + 0.95 * along))) ** 0.7
+    aside = (0.18 + 0.06 * age) * across * taper
     base = height * (0.1 + 0.85 * np.arange(ORGANS, dtype=np.float32) / LEAVES)
     rise = base[organ] + length * bend * (0.5 * along - 0.55 * along**2)
     yaw = 2.4 * np.arange(ORGANS, dtype=np.float32)
     cos, sin = np.cos(yaw)[organ], np.sin(yaw)[organ]
     leaf = [cos * out - sin * aside, sin * out + cos * aside, rise + 0.15 * across**2]
-    return np.where((organ == LEAVES)[..., None], stem, np.stack(leaf, axis=-1))
+    points = np.stack(leaf, axis=-1)
+    on_stem = organ[:, 0] == LEAVES
+    angle = 2.0 * np.pi * across[on_stem]
+    stem = [0.03 * np.cos(angle), 0.03 * np.sin(angle), height * along[on_stem]]
+    points[on_stem] = np.stack(stem, axis=-1)
+    return points
