@@ -1,9 +1,8 @@
-"""Time of a frame of `play` on screen, in films and on the HTML page.
+"""Time of a frame of `play` on screen and in films.
 
     python -m bench.frames draw [--movers 1e5,1e6] [--size 1280x720] [--clock wall]
     python -m bench.frames film CLIP... [--size 1920x1080]
     python -m bench.frames seek CLIP [--jumps 40]
-    python -m bench.frames page [--movers 1e6]
 
 draw  A frame of a synthetic plant without motion, and on curves of degree 1 to 3: the picture,
       and the pass over the movers alone, by OpenGL's points and by a compute shader. "of copy" is
@@ -11,8 +10,6 @@ draw  A frame of a synthetic plant without motion, and on curves of degree 1 to 
       the render passes of a frame one by one, measured by timer queries of the GPU.
 film  A frame of a film: encoding of pictures that were drawn before, and the whole export.
 seek  A picture after a jump to another day, and the share of it that uploads movers.
-page  A frame of the page in headless Chromium with software rendering: at rest, while the view
-      moves, and at the lowest level of detail. "to static" is relative to a static cloud.
 
 Times are milliseconds of processor time of all threads and processes, the least of several rounds,
 so that other load on the machine matters little. For drawing on a GPU, `--clock wall` measures wall
@@ -22,12 +19,11 @@ time instead.
 from __future__ import annotations
 
 import argparse
-import os
+import math
 import resource
-import shutil
 import tempfile
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -39,7 +35,7 @@ import numpy as np
 import gclip
 from bench.synthetic import growing, static
 from gclip import Clip
-from player.export import Film, export
+from player.export import Film
 from player.export.video import BT709, X264, encode
 from player.gl.context import headless
 from player.gl.timers import profile_table
@@ -53,6 +49,7 @@ from player.window.dynamic_resolution import DynamicResolution
 
 Size = tuple[int, int]  # (width, height) in pixels
 ROUNDS = 5  # of each measurement, of which the fastest counts
+LOAD_SECONDS = 0.2  # of drawing in a row
 COPY_SIZE, COPIES = 128 << 20, 16  # bytes of a buffer, and number of copies in a row
 COPY = """
 #version 430
@@ -159,7 +156,7 @@ def _draw_times(
     best = [0.0, 0.0, 0.0]
     for k, work in enumerate(works):
         _finished(context, work)  # compiles the shaders, uploads the movers
-        best[k] = min(milliseconds(partial(_finished, context, work), clock) for _ in range(ROUNDS))
+        best[k] = min(_repeated(context, work, clock) for _ in range(ROUNDS))
     timers = renderer.timers
     timers.finish_frame()
     timers.by_pass, timers.frames = True, 0
@@ -169,6 +166,16 @@ def _draw_times(
     timers.finish_frame()
     renderer.release()
     return best, profile_table([timers])
+
+
+def _repeated(
+    context: moderngl.Context, work: Callable[[], object], clock: Callable[[], float]
+) -> float:
+    """Mean milliseconds of a function called in a row; GPUs raise their clock rate only then."""
+    once = milliseconds(partial(_finished, context, work), time.perf_counter)
+    count = math.ceil(1e3 * LOAD_SECONDS / once)
+    row = partial(_finished, context, lambda: [work() for _ in range(count)])
+    return milliseconds(row, clock) / count
 
 
 def _finished(context: moderngl.Context, work: Callable[[], object]) -> None:
@@ -231,92 +238,11 @@ def seek(clips: list[Path], size: Size, jumps: int) -> None:
         renderer.release()
 
 
-SOFTWARE_GL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist")
-PAGE_FRAMES = """([count, still, moving]) => {
-    const { renderer, camera, clip, look } = viewer, gl = renderer.gl;
-    const [width, height] = [1280, 720].map((side) => Math.round(0.8 ** moving * side));
-    Object.assign(renderer.canvas, { width, height });
-    if (still) clip.intervals[0].degree = 0;
-    for (let i = 0; i < count; ++i) {
-        camera.orbit(0.01, 0);
-        renderer.draw(still ? 0 : 0.5, camera, look, { stride: 2 ** moving });
-        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
-    }
-    return gl.getError();
-}"""
-
-
-def page(movers: list[int]) -> None:
-    """Measure frames of the HTML page."""
-    from playwright.sync_api import sync_playwright
-
-    print_head(
-        "movers", "paths", "page, MB", "load", "at rest", "to static", "moving", "least detail"
-    )
-    with sync_playwright() as browsers, tempfile.TemporaryDirectory() as folder:
-        program = shutil.which("chromium") or shutil.which("google-chrome")
-        options = [*SOFTWARE_GL, "--no-sandbox"]
-        browser = browsers.chromium.launch(executable_path=program, args=options)
-        for count in movers:
-            baseline, path = 0.0, Path(folder) / "page.html"
-            for degree, name in enumerate(PATHS):
-                clip = growing(count, degree) if degree else static(count)
-                export(clip, Film(), path)
-                tab = browser.new_page(viewport={"width": 1280, "height": 720})
-                load = milliseconds(partial(_open_page, tab, path), _browser_seconds)
-                times = [_page_time(tab, degree == 0, level) for level in (0, 1, 4)]
-                tab.close()
-                baseline = baseline or times[0]
-                size, ratio = path.stat().st_size / 1e6, f"{times[0] / baseline:.2f}"
-                print_row(f"{count:,}", name, size, load, times[0], ratio, *times[1:])
-        browser.close()
-
-
-def _open_page(tab: Any, path: Path) -> None:
-    """Open a page, and wait until it has drawn the plant."""
-    tab.goto(path.as_uri())
-    while not tab.evaluate(
-        "window.viewer !== undefined"
-    ):  # its security policy forbids wait_for_function
-        tab.wait_for_timeout(100)
-    tab.evaluate("viewer.seek(0.5)")
-
-
-def _page_time(tab: Any, still: bool, level: int, count: int = 5) -> float:
-    """Milliseconds per frame at a level of detail of the page; level 0 draws everything.
-
-    still: whether to draw a static cloud; count: number of frames per round.
-    """
-
-    def frames() -> None:
-        assert tab.evaluate(PAGE_FRAMES, [count, still, level]) == 0
-
-    frames()  # compiles the shaders
-    return min(milliseconds(frames, _browser_seconds) / count for _ in range(ROUNDS))
-
-
-def _browser_seconds() -> float:
-    """Processor seconds of all running descendants of this process (Linux)."""
-    ticks = 0
-    for pid in _descendants(os.getpid()):
-        fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-        ticks += int(fields[11]) + int(fields[12])
-    return ticks / os.sysconf("SC_CLK_TCK")
-
-
-def _descendants(parent: int) -> Iterator[int]:
-    """Yield the process ids of all descendants of a process."""
-    for task in Path(f"/proc/{parent}/task").glob("*/children"):
-        for child in map(int, task.read_text().split()):
-            yield child
-            yield from _descendants(child)
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("what", choices=("draw", "film", "seek", "page"))
+    parser.add_argument("what", choices=("draw", "film", "seek"))
     parser.add_argument("clips", nargs="*", type=Path)
     parser.add_argument("--movers", default="1e6", help="numbers of movers of the synthetic plant")
     parser.add_argument("--size", default="1280x720")
@@ -330,10 +256,8 @@ def main() -> None:
         draw(movers, (width, height), clock)
     elif arguments.what == "film":
         film(arguments.clips, (width, height))
-    elif arguments.what == "seek":
-        seek(arguments.clips, (width, height), arguments.jumps)
     else:
-        page(movers)
+        seek(arguments.clips, (width, height), arguments.jumps)
 
 
 if __name__ == "__main__":

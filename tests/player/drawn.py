@@ -20,6 +20,12 @@ from player.window.viewports import Viewports
 Picture = NDArray[np.integer]
 
 
+def on_cpu(context: moderngl.Context) -> bool:
+    """Whether OpenGL is a program here (Mesa's software renderers), and no GPU."""
+    name = str(context.info["GL_RENDERER"]).lower()
+    return any(known in name for known in ("llvmpipe", "softpipe", "swiftshader"))
+
+
 def fitted(bounds: Sequence[NDArray[np.floating]], up: str = "z", aspect: float = 16 / 9) -> Camera:
     """A camera that sees the box between two corners from every yaw."""
     corners = np.array(bounds, float)

@@ -8,15 +8,10 @@ import moderngl
 import numpy as np
 import pytest
 
+from tests.player.drawn import on_cpu
 from tests.player.golden import GOLDEN, Difference, Golden, difference, kept, load, save
 
 WAYS = [(golden, number) for golden in GOLDEN for number in range(len(golden.ways))]
-
-
-def on_cpu(context: moderngl.Context) -> bool:
-    """Whether OpenGL is a program here (Mesa's software renderers), and no GPU."""
-    name = str(context.info["GL_RENDERER"]).lower()
-    return any(known in name for known in ("llvmpipe", "softpipe", "swiftshader"))
 
 
 @pytest.mark.parametrize(
