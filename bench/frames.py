@@ -159,7 +159,7 @@ def _draw_times(
         best[k] = min(_repeated(context, work, clock) for _ in range(ROUNDS))
     timers = renderer.timers
     timers.finish_frame()
-    timers.by_pass, timers.frames = True, 0
+    timers.frames = 0
     timers.totals.clear()
     for _ in range(ROUNDS):
         works[0]()

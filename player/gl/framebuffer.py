@@ -1,6 +1,5 @@
 """Framebuffers and their textures, which one render pass writes and later passes read."""
 
-import math
 from functools import cached_property, partial
 from typing import Any, cast
 
@@ -12,7 +11,6 @@ from player.gl.shader import Passes, Rectangle, Tiles
 TILE = 16  # side of a tile in samples; passes over the picture skip tiles without points
 COLOR, SCALAR, VECTOR = (4, "f2"), (1, "f4"), (2, "f2")  # number and type of channels
 NO_DEPTH = 1e4  # relative depth of samples without a point (shaders/depth.glsl)
-REACH = 32, 1 / 64  # samples, and share of the picture's height, that passes read around a sample
 
 
 class GBuffer:
@@ -57,7 +55,7 @@ class GBuffer:
 
     @cached_property
     def ones(self) -> moderngl.Buffer:
-        """Content of empty textures of `points`, since moderngl cannot clear integers."""
+        """Content of an empty texture of `points`, since moderngl cannot clear integers."""
         return self.surface.ctx.buffer(b"\xff" * (4 * self.size[0] * self.size[1]))
 
     @cached_property
@@ -93,18 +91,9 @@ class GBuffer:
         """The marked tiles, for a framebuffer of so many pixels a tile."""
         return Tiles(textures_of(self._tiles)["occupied"], self.region, tile_px)
 
-    @property
-    def surroundings(self) -> Rectangle:
-        """The region, and what passes read around it, in samples."""
-        margin = max(REACH[0], math.ceil(REACH[1] * self.size[1]))
-        (left, bottom, *_), (width, height) = self.region, self.size
-        right, top = (TILE * (self.region[i] + self.region[i + 2]) + margin for i in range(2))
-        left, bottom = (max(TILE * low - margin, 0) for low in (left, bottom))
-        return left, bottom, min(right, width) - left, min(top, height) - bottom
-
     def clear(self) -> None:
         """Clear depths, which are read beside the plant, too; other textures are not."""
-        self._depths.clear(NO_DEPTH, NO_DEPTH, viewport=self.surroundings)
+        self._depths.clear(NO_DEPTH, NO_DEPTH)
 
 
 def draw_into(

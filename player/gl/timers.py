@@ -2,15 +2,15 @@
 
 from collections import Counter, defaultdict
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager
 
 import moderngl
 
 
 class PassTimers:
-    """Measures the frames of one renderer, or all passes of each frame.
+    """Measures the passes of one renderer, frame by frame.
 
-    by_pass: whether to measure passes one by one, which keeps a GPU from running them side by side.
+    enabled: whether to measure, which takes time itself.
     frames:  number of measured frames.
     totals:  seconds of each pass by its name, summed over the frames.
     """
@@ -19,27 +19,22 @@ class PassTimers:
         self._context = context
         self._idle: list[moderngl.Query] = []
         self._running: list[tuple[str, moderngl.Query]] = []
-        self.by_pass, self.frames = False, 0
+        self.enabled, self.frames = True, 0
         self.totals: defaultdict[str, float] = defaultdict(float)
 
-    def frame(self) -> AbstractContextManager[None]:
-        """Measure a frame, unless its passes are measured."""
-        return nullcontext() if self.by_pass else self._timed("frame")
-
-    def timed(self, name: str) -> AbstractContextManager[None]:
-        """Measure one pass, if passes are measured."""
-        return self._timed(name) if self.by_pass else nullcontext()
-
     @contextmanager
-    def _timed(self, name: str) -> Iterator[None]:
-        """Run a timer query; OpenGL does not allow nested ones."""
+    def timed(self, name: str) -> Iterator[None]:
+        """Measure one pass; OpenGL does not allow nested timer queries."""
+        if not self.enabled:
+            yield
+            return
         query = self._idle.pop() if self._idle else self._context.query(time=True)
         with query:
             yield
         self._running.append((name, query))
 
     def finish_frame(self) -> float:
-        """Return the GPU seconds since the last call.
+        """Return the GPU seconds of all passes since the last call.
 
         The call waits for passes that still run; it should therefore be made a frame later.
         """

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.gl.framebuffer import COLOR, VECTOR, draw_into, framebuffer, textures_of
+from player.gl.framebuffer import VECTOR, draw_into, framebuffer, textures_of
 from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
@@ -32,7 +32,7 @@ class Ground:
         self._passes = passes
         create = partial(framebuffer, points.context, linear=True)
         self._shadows = [create((SHADOW_SIZE,) * 2, transmittance=VECTOR) for _ in range(2)]
-        self._background = create(BACKGROUND_SIZE, background=COLOR)
+        self._background = create(BACKGROUND_SIZE, background=(4, "f4"))
         self._to_square, self._half_side = floor_square(points.clip)
 
     def cast_shadow(self, ranges: list[DrawRange], point_area: float) -> None:

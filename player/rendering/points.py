@@ -57,13 +57,13 @@ class PointRaster:
         if not self.compute:
             draw_into(gbuffer.points, depth="<")
             gbuffer.points.clear(depth=1.0)  # leaves integers undefined
-            nearest.write(gbuffer.ones, viewport=gbuffer.surroundings)
+            nearest.write(gbuffer.ones)
             self._points.draw("points", ranges, uniforms)
             return
-        nearest.write(gbuffer.ones, viewport=gbuffer.surroundings)
+        nearest.write(gbuffer.ones)
         nearest.bind_to_image(0, read=True, write=True)
         self._points.compute("points", ranges, uniforms, PICK=0)
         if not self._points.color_from_track:
-            picked.write(gbuffer.ones, viewport=gbuffer.surroundings)
+            picked.write(gbuffer.ones)
             picked.bind_to_image(1, read=True, write=True)
             self._points.compute("points", ranges, uniforms, PICK=1)

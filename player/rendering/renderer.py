@@ -92,23 +92,6 @@ class Renderer:
         self.context.gc()
         self.gpu_seconds = self.timers.finish_frame()
         ranges, splats = self._prepare(day, camera, style, size, stride, upload_budget)
-        with self.timers.frame():
-            self._draw(target, day, style, ranges, splats, transparent)
-        if upload_budget is not None:
-            self._closing.measure_ahead()
-        return stride == 1 and not any(drawn.missing for drawn in ranges)
-
-    def _draw(
-        self,
-        target: moderngl.Framebuffer,
-        day: float,
-        style: Style,
-        ranges: list[DrawRange],
-        splats: SplatParams,
-        transparent: bool,
-    ) -> None:
-        """Draw points that are on the GPU; parameters: see `draw`."""
-        size = splats.samples
         side = self.supersample if splats.radius_px() <= MAX_RADIUS_PX else 1
         diameters = (side * MIN_POINT_PX, self._max_point_px)
         splats = replace(splats, samples=(side * size[0], side * size[1]), point_px_range=diameters)
@@ -139,6 +122,9 @@ class Renderer:
         uniforms = textures_of(gbuffer.lit) | background | {"transparent": transparent}
         self._passes.run("picture", gbuffer.tiles(TILE // side), SUPERSAMPLE=side, **uniforms)
         target.viewport = (0, 0, *size)
+        if upload_budget is not None:
+            self._closing.measure_ahead()
+        return stride == 1 and not any(drawn.missing for drawn in ranges)
 
     def organ_at(
         self,

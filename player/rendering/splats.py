@@ -98,12 +98,12 @@ def draw_splats(
     The first pass finds the depth of the nearest surface, the second one sums the splats on it with
     weights. Colours, normals and the surface's edge are computed from these sums.
     """
-    cleared, uniforms = gbuffer.surroundings, _with_margin(points, gbuffer, splats)
+    picture, uniforms = (0, 0, *gbuffer.size), _with_margin(points, gbuffer, splats)
     draw_into(gbuffer.front, depth="<")
-    gbuffer.front.clear(NO_DEPTH, viewport=cleared)
+    gbuffer.front.clear(NO_DEPTH, viewport=picture)
     points.draw("splat_depth", ranges, uniforms)
     draw_into(gbuffer.sums, depth="<", blend=(moderngl.ONE, moderngl.ONE))
-    gbuffer.sums.clear(viewport=cleared)
+    gbuffer.sums.clear(viewport=picture)
     points.draw("splat_sum", ranges, uniforms | {"lift": 1.0})
     summed = textures_of(gbuffer.sums)
     gbuffer.mark_tiles(summed["color_sums"])

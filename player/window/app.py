@@ -48,14 +48,8 @@ class Window:
     watch:   is called with the scene after each frame.
     """
 
-    def __init__(
-        self,
-        handle: Any,
-        clips: Sequence[OpenClip],
-        changes: Mapping[str, Any],
-        profile: bool = False,
-    ) -> None:
-        self._handle, self._profile, self.watch = handle, profile, lambda scene: None
+    def __init__(self, handle: Any, clips: Sequence[OpenClip], changes: Mapping[str, Any]) -> None:
+        self._handle, self.watch = handle, lambda scene: None
         self._context = from_window()
         self._gui = Gui()
         self._exports = ExportJob()
@@ -103,7 +97,7 @@ class Window:
         """Show other clips (reset), or the same clips after they were baked again."""
         self._resources.close()
         self.clips, opened = tuple(clips), tuple(entry.clip for entry in clips)
-        self.viewports = Viewports(self._context, opened, self._profile)
+        self.viewports = Viewports(self._context, opened)
         self._interface = Interface(self._gui, opened[0], " · ".join(entry.name for entry in clips))
         for resource in (self.viewports, self._interface.organs):
             self._resources.callback(resource.release)

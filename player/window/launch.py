@@ -94,8 +94,7 @@ def show(
     lost_scenes: list[Scene] = []
     while True:
         with open_window(size, entries[0].name) as handle:
-            first = {"style": style or Style(), **(changes or {})}
-            window = Window(handle, entries, first, profile)
+            window = Window(handle, entries, {"style": style or Style(), **(changes or {})})
             window.watch = watch
             window.scene = lost_scenes[-1] if lost_scenes else window.scene
             try:

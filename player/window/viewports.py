@@ -58,13 +58,10 @@ class Viewports:
     complete:    whether the last picture contained all movers.
     loading:     whether movers were uploaded for the last picture.
     gpu_seconds: GPU time of the last picture but one.
-    profile:     whether to measure each pass of it.
     """
 
-    def __init__(
-        self, context: moderngl.Context, clips: Sequence[Clip], profile: bool = False
-    ) -> None:
-        self._context, self._clips, self._profile = context, clips, profile
+    def __init__(self, context: moderngl.Context, clips: Sequence[Clip]) -> None:
+        self._context, self._clips = context, clips
         self._colors = [Colors(clip) for clip in clips]
         self._renderers: dict[tuple[int, str, int | None], Renderer] = {}
         self._passes = Passes(context)
@@ -163,8 +160,7 @@ class Viewports:
             clip = colors.clip_with_colors(style) if has_values else self._clips[pane.clip]
             if pane.held_out_index is not None:
                 clip = colors.held_out_clip(pane.held_out_index, style)
-            self._renderers[key] = renderer = Renderer(self._context, clip)
-            renderer.timers.by_pass = self._profile
+            self._renderers[key] = Renderer(self._context, clip)
         return self._renderers[key]
 
     def _framebuffer(self, index: int, size: Size) -> moderngl.Framebuffer:

@@ -23,7 +23,6 @@ def test_every_pass_of_a_frame_is_timed(
 ) -> None:
     clip = make_clip()
     renderer = Renderer(context, clip)
-    renderer.timers.by_pass = True
     framebuffer, camera = context.simple_framebuffer(SIZE), Camera.home(clip, 4 / 3)
     for _ in range(3):
         renderer.draw(framebuffer, 1.0, camera, Style(point_size=point_size), SIZE)
