@@ -17,7 +17,6 @@ MAX_PITCH = math.radians(89.0)  # the view would flip at 90 degrees
 FITTED_SHARE = 0.86  # share of the picture's width or height that a fitted plant fills
 FIELD_OF_VIEW = math.radians(28.0)
 MAX_SAMPLED_POSITIONS = 60_000
-MAX_STEM_SAMPLES = 100_000
 TURNTABLE_YAWS = 32  # directions from which a plant must fit for a full turn
 DEPTH_RADII = 4.0  # near and far plane lie so many scene radii before and behind the target
 ORTHOGRAPHIC_FIELD = math.radians(1.0)  # field of view that stands for a parallel projection
@@ -213,12 +212,10 @@ def sampled_positions(clip: Clip) -> Vector:
 
 def stem_position(clip: Clip) -> Vector:
     """(2,) horizontal position of the stem along the first two `axes`: its median at the start."""
-    first = clip.intervals[0]
-    some = slice(None, None, max(1, len(first) // MAX_STEM_SAMPLES))
-    points = positions_on_curve(first, some, 0.0)
-    roots = [track.id for track in clip.track_table if track.parent is None]
+    first, roots = clip.intervals[0], [t.id for t in clip.track_table if t.parent is None]
+    some = slice(None, None, max(1, len(first) // MAX_SAMPLED_POSITIONS))
     on_stem = np.isin(first.tracks[some], roots[:1])
-    points = points[on_stem] if on_stem.any() else points
+    points = positions_on_curve(first, some, 0.0)[on_stem if on_stem.any() else slice(None)]
     return np.asarray(np.median(points @ axes(clip.up).T, axis=0)[:2])
 
 
