@@ -1,14 +1,19 @@
 """The camera keeps the plant in the picture and its up axis upright."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from baker.interpolation.packing import Movers, pack_interval
+from gclip import Clip, Motion
+from gclip.evaluate import positions_on_curve
 from player.view.camera import Camera, axes, sampled_positions
 from tests.player.drawn import fitted
+from tests.player.shown import small_clip
 
 UP_AXES = ("x", "y", "z", "-x", "-y", "-z")
 
@@ -75,6 +80,25 @@ def test_a_turntable_goes_round_the_stem(make_clip) -> None:
     for yaw in (0.0, 1.0, 4.0):
         camera = Camera.home(clip, turning=True).orbit(yaw, 0)
         np.testing.assert_allclose(on_screen(camera, line, 1.0)[:, 0], 0.0, atol=1e-9)
+
+
+def test_a_camera_is_found_from_a_sample_of_many_movers(monkeypatch) -> None:
+    stem, leaf = (np.random.default_rng(0).random((100_000, 3)) for _ in range(2))
+    points = np.concatenate([stem * [0.1, 0.1, 9.0], leaf * [5.0, 5.0, 1.0]])
+    movers = Movers(Motion.MOVE, (points, points), np.repeat([0, 1], 100_000))
+    interval = pack_interval(0.0, 1.0, [movers], spacing=0.1)
+    clip = replace(small_clip(["a", "b"], [0.0, 1.0]), intervals=(interval,))
+    evaluated = []
+
+    def counted(interval, some, parameter):
+        found = positions_on_curve(interval, some, parameter)
+        evaluated.append(len(found))
+        return found
+
+    monkeypatch.setattr("player.view.camera.positions_on_curve", counted)
+    monkeypatch.setattr(Clip, "at", None)
+    assert Camera.home(clip, turning=True).target[:2] == pytest.approx((0.05, 0.05), abs=0.01)
+    assert sum(evaluated) < 80_000
 
 
 @pytest.mark.parametrize("aspect", [0.6, 1.0, 16 / 9])
