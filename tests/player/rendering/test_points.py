@@ -34,7 +34,7 @@ def dense_clip(precision: str = "auto", colors: bool = False, tracks: int = 2) -
     movers = Movers(
         Motion.MOVE,
         (start, middle, end),
-        np.where(behind, 0, tracks - 1),
+        np.where(behind, 0, 1) if tracks == 2 else random.integers(0, tracks, COUNT),
         *(paint if colors else (None, None)),
     )
     return Clip(
