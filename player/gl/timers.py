@@ -17,8 +17,8 @@ class PassTimers:
 
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
-        self._idle: list[moderngl.Query] = []
-        self._running: list[tuple[str, moderngl.Query]] = []
+        self._idle = list[moderngl.Query]()
+        self._running, self._before = (list[tuple[str, moderngl.Query]]() for _ in range(2))
         self.enabled, self.frames = True, 0
         self.totals: defaultdict[str, float] = defaultdict(float)
 
@@ -34,18 +34,18 @@ class PassTimers:
         self._running.append((name, query))
 
     def finish_frame(self) -> float:
-        """Return the GPU seconds of all passes since the last call.
+        """Return the GPU seconds of all passes between the two calls before this one.
 
-        The call waits for passes that still run; it should therefore be made a frame later.
+        Passes since the last call may still run, and a GPU is idle while one waits for it.
         """
         seconds = 0.0
-        for name, query in self._running:
+        for name, query in self._before:
             elapsed = 1e-9 * query.elapsed
             self.totals[name] += elapsed
             seconds += elapsed
             self._idle.append(query)
-        self.frames += bool(self._running)
-        self._running.clear()
+        self.frames += bool(self._before)
+        self._before, self._running = self._running, []
         return seconds
 
 

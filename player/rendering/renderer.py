@@ -40,7 +40,7 @@ class Renderer:
     supersample: samples along each side of a pixel where splats have no soft outlines of their own.
     compute:     whether compute shaders draw small splats, if the context supports them.
     memory:      bytes of GPU memory for points; by default a share of what the driver reports.
-    gpu_seconds: GPU time of the last picture but one, which is complete once the last one is drawn.
+    gpu_seconds: GPU time of the last picture but two, for which nothing has to wait.
     """
 
     def __init__(

@@ -57,7 +57,7 @@ class Viewports:
 
     complete:    whether the last picture contained all movers.
     loading:     whether movers were uploaded for the last picture.
-    gpu_seconds: GPU time of the last picture but one.
+    gpu_seconds: GPU time of the last picture but two.
     """
 
     def __init__(self, context: moderngl.Context, clips: Sequence[Clip]) -> None:
