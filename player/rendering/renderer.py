@@ -29,7 +29,7 @@ from player.view.style import Style
 # Radius in closing distances and edge (SplatParams) of discs that face the camera, and of discs
 # along the surface. Radii exceed 1 because neighbours drift apart between scans; finding the edge
 # of the surface takes more overlap than closing its holes.
-FACING_SPLATS, ALIGNED_SPLATS = (2.3, 2.0), (2.6, 0.38)
+FACING_SPLATS, ALIGNED_SPLATS = (2.4, 2.0), (2.75, 0.38)
 MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
 PICK_RADIUS = 10  # largest distance in pixels between a click and the organ that it picks
 

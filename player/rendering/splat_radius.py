@@ -11,7 +11,7 @@ from gclip import Clip
 from gclip.evaluate import locate, positions_on_curve
 
 SURFACE_SAMPLES = 1500  # positions on the surface whose distances to points are measured
-NEIGHBORS = 48  # points of a neighbourhood
+NEIGHBORS = 16  # points of a neighbourhood
 COVERED_SHARE = 0.95  # share of the surface that splats have to cover
 TINY = 1e-30  # keeps the extent of a single point from being 0
 MAX_POINTS = 40_000  # points of a scan that are used, which bounds the time of the first picture
