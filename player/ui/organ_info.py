@@ -25,7 +25,8 @@ class OrganInfo:
 
     def curves(self, track: int) -> tuple[TraitCurve, ...]:
         """The organ's traits over time; empty until they are measured."""
-        if track not in self._curves:
+        if track not in self._curves:  # organs that wait since others were picked are left out
+            self._curves = {other: f for other, f in self._curves.items() if not f.cancel()}
             self._curves[track] = self._pool.submit(trait_curves, self._clip, [track])
         future = self._curves[track]
         self.measuring |= not future.done()
@@ -42,9 +43,8 @@ class OrganInfo:
         if organ.parent is not None:
             facts.append(("grows from", clip.track_table[organ.parent].name))
         is_first = organ.born <= clip.times[0]
-        facts.append(
-            ("born", "before the first scan" if is_first else date_at(clip.scans, organ.born))
-        )
+        born = "before the first scan" if is_first else date_at(clip.scans, organ.born)
+        facts.append(("born", born))
         if organ.lost is not None:
             facts.append(("lost", date_at(clip.scans, organ.lost)))
         if not is_first and day >= organ.born and clip.time_unit == "days":
