@@ -11,17 +11,16 @@ from gclip import Clip
 from gclip.evaluate import locate, positions_on_curve
 
 SURFACE_SAMPLES = 1500  # positions on the surface whose distances to points are measured
-NEIGHBORS = 16  # points of a neighbourhood
+NEIGHBORS, MAX_NEIGHBORS = 16, 48  # points of a neighbourhood, and of one that is a line otherwise
+LINE_WIDTH = 0.1  # of such a line, as a share of its length
 COVERED_SHARE = 0.95  # share of the surface that splats have to cover
-TINY = 1e-30  # keeps the extent of a single point from being 0
 MAX_POINTS = 40_000  # points of a scan that are used, which bounds the time of the first picture
 
 
 class ClosingDistances:
     """Closing distances of a clip over time (see `closing_distance`).
 
-    They are measured at the ends of each interval and interpolated linearly, so that the size of
-    splats follows the density of points without jumps.
+    Measured at the ends of intervals and interpolated, so that splats do not change size at once.
     """
 
     def __init__(self, clip: Clip) -> None:
@@ -36,8 +35,7 @@ class ClosingDistances:
 
     def point_area(self, day: float) -> float:
         """The area of the surface divided by the number of movers, in squared units of the clip."""
-        index, _ = locate(self._clip, day)
-        count = max(len(self._clip.intervals[index]), 1)
+        count = max(len(self._clip.intervals[locate(self._clip, day)[0]]), 1)
         return float(4.0 * self.at(day) ** 2 * self._scan_points(day) / count)
 
     def measure_ahead(self) -> None:
@@ -56,12 +54,11 @@ class ClosingDistances:
         return float(np.interp(day, self._clip.times, [scan.points for scan in self._clip.scans]))
 
     def _measure(self, scan: int) -> float:
-        """The distance at a scan, given by its index."""
+        """The distance at a scan, given by its index; several movers may start at one point."""
         clip, is_last = self._clip, scan == len(self._clip.intervals)
         interval = clip.intervals[scan - 1 if is_last else scan]
         stride = -(-len(interval) // MAX_POINTS)
         parameter, day = (1.0, interval.end) if is_last else (0.0, interval.start)
-        # Several movers may start at one point of the scan.
         points = unique_points(positions_on_curve(interval, slice(None, None, stride), parameter))
         distance = closing_distance(points)
         if stride > 1:
@@ -71,7 +68,7 @@ class ClosingDistances:
 
 def unique_points(points: NDArray[np.floating]) -> NDArray[np.floating]:
     """The distinct rows of (N, 3) points on a grid of 2**21 cells per axis, N at least 1."""
-    scaled = (points - points.min(axis=0)) / (np.ptp(points) + TINY)  # in [0, 1]
+    scaled = (points - points.min(axis=0)) / (np.ptp(points) + 1e-30)  # in [0, 1]
     keys = (scaled * (2**21 - 1)).astype(np.uint64) @ np.array([1, 2**21, 2**42], np.uint64)
     return points[np.unique(keys, return_index=True)[1]]
 
@@ -79,27 +76,31 @@ def unique_points(points: NDArray[np.floating]) -> NDArray[np.floating]:
 def closing_distance(points: NDArray[np.floating]) -> float:
     """The radius at which splats on points cover most of the sampled surface.
 
-    Distances between neighbours are no measure of it, because a scanner's points are dense along
-    its lines and sparse across them. Instead each neighbourhood is projected onto its tangent
-    plane, and the distance from a random position between three of its points to the nearest point
-    is measured.
+    Distances between neighbours are no measure of it, for scanners' points are dense along lines.
+    Instead each neighbourhood, which spans several lines but few leaves, is projected onto its
+    tangent plane, and the distance from a random position between three of its points to the
+    nearest one is measured.
 
-    points: (N, 3) on a surface; duplicates are ignored.
-    Returns the quantile COVERED_SHARE of these distances; 0 if there are fewer than 4 points.
+    Returns the quantile COVERED_SHARE of these distances; 0 for fewer than 4 distinct points.
     """
     from scipy.spatial import cKDTree
 
     points = unique_points(points).astype(np.float64) if len(points) else points
-    count = min(NEIGHBORS, len(points) - 1)
+    count = min(MAX_NEIGHBORS, len(points) - 1)
     if count < 3:
         return 0.0
     random = np.random.default_rng(0)
     centers = points[random.permutation(len(points))[:SURFACE_SAMPLES]]
     tree = cKDTree(points, balanced_tree=False, compact_nodes=False)
     offsets = points[tree.query(centers, k=count + 1)[1]] - centers[:, None]
-    _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", offsets, offsets))
-    plane = np.einsum("nki,nij->nkj", offsets, axes[:, :, 1:])  # without the normal
-    corners = plane[np.arange(len(plane))[:, None], random.integers(0, count + 1, (len(plane), 3))]
-    positions = np.einsum("nc,ncj->nj", random.dirichlet((1, 1, 1), len(plane)), corners)
-    distances = np.linalg.norm(plane - positions[:, None], axis=2).min(axis=1)
-    return float(np.quantile(distances, COVERED_SHARE))
+    near, distances = offsets[:, : NEIGHBORS + 1], []
+    spread = np.linalg.eigvalsh(np.einsum("nki,nkj->nij", near, near))
+    is_line = spread[:, 1] < LINE_WIDTH**2 * spread[:, 2]
+    for part in (near[~is_line], offsets[is_line]):
+        _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", part, part))
+        plane = np.einsum("nki,nij->nkj", part, axes[:, :, 1:])  # without the normal
+        chosen = random.integers(0, part.shape[1], (len(part), 3))
+        corners = np.take_along_axis(plane, chosen[:, :, None], axis=1)
+        positions = np.einsum("nc,ncj->nj", random.dirichlet((1, 1, 1), len(part)), corners)
+        distances.append(np.linalg.norm(plane - positions[:, None], axis=2).min(axis=1))
+    return float(np.quantile(np.concatenate(distances), COVERED_SHARE))

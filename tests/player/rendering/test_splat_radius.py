@@ -8,8 +8,8 @@ import pytest
 from player.rendering.splat_radius import ClosingDistances, closing_distance
 
 
-def grid(along: float, across: float, noise: float = 0.0) -> np.ndarray:
-    x, y = np.meshgrid(np.arange(0, 40, along), np.arange(0, 40, across))
+def grid(along: float, across: float, noise: float = 0.0, size: float = 40.0) -> np.ndarray:
+    x, y = np.meshgrid(np.arange(0, size, along), np.arange(0, size, across))
     flat = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
     return flat + np.random.default_rng(1).normal(0, noise, flat.shape)
 
@@ -21,6 +21,20 @@ def test_a_square_grid_nearly_closes_at_half_its_diagonal() -> None:
 def test_scan_lines_close_at_the_distance_of_the_lines() -> None:
     fine = closing_distance(grid(0.2, 0.2))
     assert closing_distance(grid(0.2, 1.0)) > 2.5 * fine
+
+
+@pytest.mark.parametrize("gap", [1.0, 2.0, 4.0])
+def test_lines_close_however_dense_the_points_on_them_are(gap: float) -> None:
+    """From some density on, the nearest neighbours are all on the same line."""
+    points = grid(0.2, gap, noise=0.05)
+    assert 0.35 * gap < closing_distance(points) < 0.6 * gap
+
+
+def test_gaps_between_leaves_are_not_closed() -> None:
+    leaf = grid(0.2, 0.2, size=1.0)
+    places = np.stack(np.meshgrid(*[np.arange(6) * 3.0] * 3), axis=-1).reshape(-1, 3)
+    leaves = np.concatenate([leaf + place for place in places])
+    assert closing_distance(leaves) < 1.5 * closing_distance(grid(0.2, 0.2))
 
 
 def test_size_scales_and_repeats_do_not_count() -> None:
