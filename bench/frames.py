@@ -158,7 +158,7 @@ def _draw_times(
         _finished(context, work)  # compiles the shaders, uploads the movers
         best[k] = min(_repeated(context, work, clock) for _ in range(ROUNDS))
     timers = renderer.timers
-    while timers.finish_frame():
+    while timers.finish_frame():  # frames drawn so far
         pass
     timers.frames = 0
     timers.totals.clear()

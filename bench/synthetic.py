@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.morton import morton_order
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.schema import BLOCK, Box, Group, Interval
 
@@ -18,11 +19,7 @@ ORGANS = LEAVES + 1  # with the stem
 COLORS = ((120, 170, 60), (70, 140, 50), (160, 190, 80), (90, 160, 90))
 BOX = Box((-0.385, -0.385, -0.01), (0.385, 0.385, 1.54))  # of all control points
 BLOCKS_AT_ONCE = 2048  # whose movers stay in a processor's cache
-# Cells of a block's movers along and across the organ, in Morton order.
-CELLS = 16, 8
-CELL = np.arange(BLOCK)
-CELL_ALONG = (CELL & 1) | (CELL >> 1 & 2) | (CELL >> 2 & 4) | (CELL >> 3 & 8)
-CELL_ACROSS = (CELL >> 1 & 1) | (CELL >> 2 & 2) | (CELL >> 3 & 4)
+CELLS = 16, 8  # of a block along and across the organ, with one mover in each
 
 
 def growing(count: int, degree: int = 2) -> Clip:
@@ -41,6 +38,8 @@ def growing(count: int, degree: int = 2) -> Clip:
     of_organ = -(-len(order) // ORGANS)
     columns = max(math.isqrt(of_organ), 1)
     rows = -(-of_organ // columns)
+    cells = np.argwhere(np.ones((*CELLS, 1)))
+    cell_along, cell_across, _ = cells[morton_order(cells)].T
     curve = tuple(np.empty((len(order), BLOCK, 3), np.uint16) for _ in range(degree + 1))
     tracks = np.empty((len(order), BLOCK), np.uint16)
 
@@ -49,8 +48,8 @@ def growing(count: int, degree: int = 2) -> Clip:
         patch, organ = np.divmod(order[part, None], ORGANS)
         row, column = np.divmod(patch, columns)
         jitter = np.random.default_rng(first).random((2, len(patch), BLOCK), np.float32)
-        along = (row + (CELL_ALONG + jitter[0]) / CELLS[0]) / rows
-        across = (column + (CELL_ACROSS + jitter[1]) / CELLS[1]) / columns - 0.5
+        along = (row + (cell_along + jitter[0]) / CELLS[0]) / rows
+        across = (column + (cell_across + jitter[1]) / CELLS[1]) / columns - 0.5
         tracks[part] = organ
         shapes = _control_points(organ, along.astype(np.float32), across.astype(np.float32), degree)
         for packed, points in zip(curve, shapes, strict=True):

@@ -26,8 +26,8 @@ from player.rendering.splats import SplatParams, draw_behind, draw_splats
 from player.view.camera import Camera, sampled_positions
 from player.view.style import Style
 
-# Radius in closing distances and edge (SplatParams) of discs that face the camera, or lie along the
-# surface. Neighbours drift apart between scans, and finding an edge takes more overlap than a hole.
+# Radius in closing distances, and edge (SplatParams), of discs facing the camera and of others: it
+# exceeds 1 as neighbours drift apart between scans, and as edges need more overlap than holes do.
 FACING_SPLATS, ALIGNED_SPLATS = (2.4, 2.0), (2.75, 0.38)
 MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
 PICK_RADIUS = 10  # largest distance in pixels between a click and the organ that it picks

@@ -11,8 +11,8 @@ from gclip import Clip
 from gclip.evaluate import locate, positions_on_curve
 
 SURFACE_SAMPLES = 1500  # positions on the surface whose distances to points are measured
-NEIGHBORS, MAX_NEIGHBORS = 16, 48  # points of a neighbourhood, and of one that is a line otherwise
-LINE_WIDTH = 0.1  # of such a line, as a share of its length
+NEIGHBORS, MAX_NEIGHBORS = 16, 48  # points of a neighbourhood, the latter where 16 are on a line
+LINE_WIDTH = 0.1  # of a neighbourhood on a line, as a share of its length
 COVERED_SHARE = 0.95  # share of the surface that splats have to cover
 MAX_POINTS = 40_000  # points of a scan that are used, which bounds the time of the first picture
 
@@ -68,13 +68,13 @@ class ClosingDistances:
 
 def unique_points(points: NDArray[np.floating]) -> NDArray[np.floating]:
     """The distinct rows of (N, 3) points on a grid of 2**21 cells per axis, N at least 1."""
-    scaled = (points - points.min(axis=0)) / (np.ptp(points) + 1e-30)  # in [0, 1]
+    scaled = (points - points.min(axis=0)) / (np.ptp(points) + 1e-30)  # 0 for a single point
     keys = (scaled * (2**21 - 1)).astype(np.uint64) @ np.array([1, 2**21, 2**42], np.uint64)
     return points[np.unique(keys, return_index=True)[1]]
 
 
 def closing_distance(points: NDArray[np.floating]) -> float:
-    """The radius at which splats on points cover most of the sampled surface.
+    """The radius at which splats on (N, 3) points cover most of the sampled surface.
 
     Distances between neighbours are no measure of it, for scanners' points are dense along lines.
     Instead each neighbourhood, which spans several lines but few leaves, is projected onto its

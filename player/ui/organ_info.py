@@ -25,7 +25,7 @@ class OrganInfo:
 
     def curves(self, track: int) -> tuple[TraitCurve, ...]:
         """The organ's traits over time; empty until they are measured."""
-        if track not in self._curves:  # organs that wait since others were picked are left out
+        if track not in self._curves:  # organs picked in passing need not be measured
             self._curves = {other: f for other, f in self._curves.items() if not f.cancel()}
             self._curves[track] = self._pool.submit(trait_curves, self._clip, [track])
         future = self._curves[track]
