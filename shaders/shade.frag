@@ -2,9 +2,9 @@
 // normals, these are derived from depths.
 #include "depth.glsl"
 
-const int RINGS = 3, DIRECTIONS = 8;  // of the neighbours that are sampled for eye-dome lighting
-const mat2 TURN = mat2(0.7071, 0.7071, -0.7071, 0.7071);  // to the next direction
-const mat2 OUTWARDS = 2.8 * mat2(0.9666, 0.2563, -0.2563, 0.9666);  // to the next ring
+const int RINGS = 3, DIRECTIONS = 6;  // of the neighbours that are sampled for eye-dome lighting
+const mat2 TURN = mat2(0.5, 0.8660, -0.8660, 0.5);  // to the next direction
+const mat2 OUTWARDS = 2.8 * mat2(0.9397, 0.3420, -0.3420, 0.9397);  // to the next ring
 const vec3 KEY_LIGHT = vec3(-0.75, 0.10, 0.65);  // from `up_dir` to the direction of the lamp
 
 uniform sampler2D colors;  // linear light, coverage
