@@ -95,16 +95,9 @@ def geodesic_distances(
 ) -> NDArray[np.float64]:
     """Geodesic distances from the nearest seed, the shortest paths along an undirected graph.
 
-    Parameters
-    ----------
-    graph, seeds : (N, N) csr_matrix, (s,) int
-    offsets : (s,) float, optional
-        Distances at the seeds, at least 0; by default 0.
+    graph, seeds: (N, N) csr_matrix, (s,) int. offsets: (s,) distances at the seeds, by default 0.
 
-    Returns
-    -------
-    (N,) float64
-        Infinite where there is no path.
+    Returns (N,) distances, infinite where there is no path.
     """
     from scipy.sparse import csr_matrix
     from scipy.sparse.csgraph import dijkstra

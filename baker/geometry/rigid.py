@@ -9,18 +9,7 @@ MIN_COSINE = -0.999  # the smallest rotation between nearly opposite directions 
 def rotations_between(
     origin: NDArray[np.float64], target: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """The smallest rotations from unit vectors to others.
-
-    Parameters
-    ----------
-    origin, target : (n, 3) float64
-        Unit vectors.
-
-    Returns
-    -------
-    (n, 3, 3) float64
-        Rotation matrices; the identity where two vectors are opposite.
-    """
+    """(n, 3, 3) smallest rotations between (n, 3) unit vectors, the identity for opposite ones."""
     axes, cosines = np.cross(origin, target), (origin * target).sum(axis=1)
     skew = np.swapaxes(np.cross(axes[:, None], np.eye(3)), 1, 2)  # skew @ x is the cross product
     # Rodrigues' formula without the angle; importing scipy's Rotation would take longer.

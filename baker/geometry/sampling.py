@@ -46,18 +46,9 @@ def farthest_point_sample(
 
 
 def voxel_downsample(points: NDArray[np.float64], size: float) -> NDArray[np.intp]:
-    """Indices of the first point in each voxel.
+    """(M,) ascending indices of the first of (N, 3) points in each voxel.
 
-    Parameters
-    ----------
-    points : (N, 3) float64
-    size : float
-        Edge length of a voxel, in the unit of the points; 0 keeps all points.
-
-    Returns
-    -------
-    (M,) intp
-        In ascending order.
+    size: edge length of a voxel, in the unit of the points; 0 keeps all points.
     """
     if size <= 0.0:
         return np.arange(len(points))

@@ -9,6 +9,7 @@ from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 SAMPLE_SIZE = 128  # number of points of an organ from which its descriptors are computed
 ATTACHMENT_POINTS = 5  # number of points nearest to the parent; their mean is the attachment point
+AXIAL_WEIGHT = 0.35  # of the component of directions along the stem, in `about_stem`
 ORDER_SOFTNESS = 0.025  # width of the step between "above" and "below", in organ sizes
 ORDERED_ORGANS = 10  # number of organs; in larger plants, the order along the stem is scaled down
 
@@ -43,6 +44,14 @@ class OrganDescriptors:
             directions=self.directions @ rotation,
             base=self.base @ rotation + shift,
         )
+
+    def about_stem(self) -> "OrganDescriptors":
+        """Scale down the component of directions along the stem, which differs as leaves droop."""
+        axis = (self.attachments - self.base).mean(axis=0)
+        axis /= max(float(np.linalg.norm(axis)), np.finfo(float).tiny)
+        lateral = self.directions - (1.0 - AXIAL_WEIGHT) * np.outer(self.directions @ axis, axis)
+        length = np.linalg.norm(lateral, axis=1, keepdims=True)
+        return replace(self, directions=lateral / np.maximum(length, np.finfo(float).tiny))
 
     def largest(self, count: int) -> "OrganDescriptors":
         """The `count` largest organs, in the order of this object."""

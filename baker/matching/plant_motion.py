@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.matching.descriptors import OrganDescriptors
-from baker.matching.score import best_pairs, match_scores, shape_scores
+from baker.matching.score import best_pairs, match_rewards, match_scores, shape_penalties
 
 Floats = NDArray[np.float64]
 
@@ -84,7 +84,8 @@ def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Float
     distance = np.linalg.norm(moved[:, :, None] - offsets[1] / growth, axis=-1)
     cosines = np.einsum("hxy,ky,lx->hkl", rotations, first.directions, second.directions)
     # For rotation h and organs k and l: cosines[h, k, l] = rotations[h] @ first[k] @ second[l].
-    scores = np.maximum(shape_scores(first, second, distance, cosines), 0.0)
+    penalties = shape_penalties(first, second, distance, cosines)
+    scores = np.maximum(match_rewards(first, second) - penalties, 0.0)
     # An upper bound of the mean score of any matching: the maxima of rows, or those of columns.
     bound = np.minimum(scores.max(axis=2).sum(axis=1), scores.max(axis=1).sum(axis=1))
     bound = bound / min(map(len, sides)) - _penalty(rotations)

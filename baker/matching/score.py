@@ -37,25 +37,29 @@ MEDIAN_STEPS, MEDIAN_SOFTNESS = 10, 0.05  # of Weiszfeld's algorithm; least dist
 def match_scores(
     first: OrganDescriptors, second: OrganDescriptors, pairs: ArrayLike = ()
 ) -> NDArray[np.float64]:
-    """Score each pair of organs of two scans.
+    """(n, m) scores of pairs of organs of two scans, in sizes of the plant's organs.
 
-    Parameters
-    ----------
-    first, second : OrganDescriptors
-        Of n and m organs.
-    pairs : (p, 2) int
-        Pairs of organs that are matched so far; other organs are moved like their neighbours.
-
-    Returns
-    -------
-    (n, m) float64 ndarray
-        In sizes of the plant's organs. A match with a score above 0 is better than a loss and a
-        birth; impossible matches have -inf.
+    A match with a score above 0 is better than a loss and a birth; impossible ones have -inf.
+    pairs: (p, 2) matched so far; other organs are moved like their neighbours.
     """
+    return match_rewards(first, second) - match_penalties(first, second, pairs)
+
+
+def match_rewards(first: OrganDescriptors, second: OrganDescriptors) -> NDArray[np.float64]:
+    """(n, m) rewards in the scores of pairs, which depend on the organs' sizes."""
+    weights = (LOSS_WEIGHT, BIRTH_WEIGHT)[:: -1 if _is_older(first, second) else 1]
+    sizes = weights[0] * first.sizes[:, None] + weights[1] * second.sizes
+    return np.asarray(sizes / _organ_size(first, second) + MATCH_BONUS)
+
+
+def match_penalties(
+    first: OrganDescriptors, second: OrganDescriptors, pairs: ArrayLike = ()
+) -> NDArray[np.float64]:
+    """(n, m) penalties in the scores of pairs, up to `MAX_PENALTY`; impossible pairs have inf."""
     matched = np.reshape(np.asarray(pairs, np.intp), (-1, 2))
-    if (first.sizes**2).sum() > (second.sizes**2).sum():
-        return _scores(second, first, matched[:, ::-1]).T
-    return _scores(first, second, matched)
+    if _is_older(first, second):
+        return _penalties(second, first, matched[:, ::-1]).T
+    return _penalties(first, second, matched)
 
 
 def best_pairs(scores: NDArray[np.float64]) -> tuple[NDArray[np.intp], float]:
@@ -82,26 +86,26 @@ def matched_share(first: OrganDescriptors, second: OrganDescriptors) -> float:
     return best_pairs(match_scores(first, second))[1] / float(perfect)
 
 
-def _scores(
+def _penalties(
     young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp]
 ) -> NDArray[np.float64]:
-    """(n, m) scores of pairs of a younger and an older organ."""
+    """(n, m) penalties of pairs of a younger and an older organ."""
     young = young.moved(neighbor_displacements(young, old, pairs, _organ_size(young, old)))
     cosines = young.directions @ old.directions.T
     order_change = np.abs(young.order[:, None] - old.order)
     order_change = MAX_ORDER_CHANGE * np.tanh(order_change / MAX_ORDER_CHANGE)
     penalty = ORDER_PENALTY * order_change - BASE_BONUS * (1.0 - old.height)
-    return shape_scores(young, old, _covering_distances(young, old), cosines, penalty)
+    return shape_penalties(young, old, _covering_distances(young, old), cosines, penalty)
 
 
-def shape_scores(
+def shape_penalties(
     young: OrganDescriptors,
     old: OrganDescriptors,
     distance: NDArray[np.float64],
     cosines: NDArray[np.float64],
     penalty: NDArray[np.float64] | float = 0.0,
 ) -> NDArray[np.float64]:
-    """Score pairs of n and m organs, as `match_scores` does, by distance, direction and size.
+    """Penalise pairs of n and m organs by their distance, directions and sizes.
 
     distance, cosines: (..., n, m) distances between organs, in length units, and cosines between
     their directions. penalty: (n, m) for other differences, in sizes of the plant's organs.
@@ -111,9 +115,13 @@ def shape_scores(
     # By its square root, one large distance is more likely than two of half its size.
     penalty = np.sqrt(distance) + TURN_PENALTY * np.arccos(np.clip(cosines, -1.0, 1.0)) + penalty
     penalty = penalty + SHRINKING_PENALTY * np.maximum(young_size - old_size, 0.0)
-    reward = LOSS_WEIGHT * young_size + BIRTH_WEIGHT * old_size + MATCH_BONUS
     is_possible = (penalty < MAX_PENALTY) & (distance < MAX_DISTANCE * old_size + MAX_SWAY)
-    return np.where(is_possible, reward - penalty, -np.inf)
+    return np.where(is_possible, penalty, np.inf)
+
+
+def _is_older(first: OrganDescriptors, second: OrganDescriptors) -> bool:
+    """Whether the first scan has the larger organs."""
+    return bool((first.sizes**2).sum() > (second.sizes**2).sum())
 
 
 def _organ_size(young: OrganDescriptors, old: OrganDescriptors) -> float:

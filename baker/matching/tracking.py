@@ -3,8 +3,8 @@
 Each organ has at most one successor, in the next scan or, if it is hidden there, in one of the two
 following ones, and at most one predecessor. The links of largest total score over the series are a
 minimum weight path cover, which is solved as one sparse assignment. The plant is first rotated as a
-whole where it leans to another side. Since neighbouring organs move together, the tracks then
-predict where each organ has moved, and scores and tracks are computed again.
+whole where it leans to another side. The tracks then predict where organs have moved, since
+neighbours move together, and scans two apart have a say; scores and tracks are computed again.
 """
 
 from collections.abc import Mapping, Sequence
@@ -16,14 +16,15 @@ from baker.geometry.graph import chain_ends
 from baker.matching.corrections import PointCorrection
 from baker.matching.descriptors import describe_organs
 from baker.matching.plant_motion import plant_motions
-from baker.matching.score import match_scores
+from baker.matching.score import MAX_PENALTY, match_penalties, match_rewards
 from baker.segmentation.hierarchy import Hierarchy
 
-PairScores = Mapping[tuple[int, int], NDArray[np.float64]]
-"""(earlier scan, later scan) -> (n, m) scores of the pairs of their organs"""
+PairMatrices = Mapping[tuple[int, int], NDArray[np.float64]]
+"""(earlier scan, later scan) -> (n, m) scores or penalties of the pairs of their organs"""
 
 # docs/method.md, "Tracking organs".
 GAP_FACTORS = (1.0, 0.9, 0.8)  # of the score of a successor in the next, second and third scan
+INDIRECT_WEIGHT = 0.3  # of the penalties of pairs that tracks connect, relative to a pair's own
 ROUNDS = 4  # number of times that pairs are scored and tracks are found
 CORRECTION_SCORE = 1e6  # of a pair that a correction links, greater than all other scores together
 
@@ -50,13 +51,18 @@ def track_organs(
     organ_of = [hierarchy.numbers() for hierarchy in hierarchies]  # of each point
     distances = [np.linalg.norm(scan.attachments - scan.base, axis=1) for scan in organs]
     motions = plant_motions(organs, len(GAP_FACTORS))
+    organs = [scan.about_stem() for scan in organs]
     moved = {(k, later): organs[k].transformed(motions[k, later]) for k, later in motions}
     numbers = [np.arange(0)] * len(organs)
     for _ in range(ROUNDS):
+        own = {
+            (k, later): match_penalties(first, organs[later], _linked(numbers, k, later))
+            for (k, later), first in moved.items()
+        }
         scores = {
             (k, later): GAP_FACTORS[later - k - 1]
-            * match_scores(first, organs[later], _linked(numbers, k, later))
-            for (k, later), first in moved.items()
+            * (match_rewards(moved[k, later], organs[later]) - penalties)
+            for (k, later), penalties in averaged_penalties(own, numbers).items()
         }
         for correction in corrections:
             same, (k, later) = correction.kind == "same", correction.scans
@@ -67,6 +73,28 @@ def track_organs(
     return [tracks[organ] for tracks, organ in zip(numbers, organ_of, strict=True)]
 
 
+def averaged_penalties(
+    penalties: PairMatrices, numbers: Sequence[NDArray[np.int64]]
+) -> dict[tuple[int, int], NDArray[np.float64]]:
+    """Average the penalties of pairs with those of their neighbours in the tracks found so far.
+
+    Neighbours of (a, b) are a with the successor of b, and the predecessor of a with b.
+    """
+    averages, capped = {}, {pair: np.minimum(p, MAX_PENALTY) for pair, p in penalties.items()}
+    for (k, later), own in penalties.items():
+        total, weight = own.copy(), np.ones_like(own)
+        if (k, later + 1) in capped:
+            organ, successor = _linked(numbers, later, later + 1).T
+            total[:, organ] += INDIRECT_WEIGHT * capped[k, later + 1][:, successor]
+            weight[:, organ] += INDIRECT_WEIGHT
+        if (k - 1, later) in capped:
+            predecessor, organ = _linked(numbers, k - 1, k).T
+            total[organ] += INDIRECT_WEIGHT * capped[k - 1, later][predecessor]
+            weight[organ] += INDIRECT_WEIGHT
+        averages[k, later] = total / weight
+    return averages
+
+
 def _linked(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> NDArray[np.intp]:
     """(p, 2) the pairs of organs of two scans that have the same track number."""
     _, first, second = np.intersect1d(numbers[k], numbers[later], return_indices=True)
@@ -74,7 +102,7 @@ def _linked(numbers: Sequence[NDArray[np.int64]], k: int, later: int) -> NDArray
 
 
 def chain_organs(
-    distances: Sequence[NDArray[np.floating]], scores: PairScores
+    distances: Sequence[NDArray[np.floating]], scores: PairMatrices
 ) -> list[NDArray[np.int64]]:
     """Chain organs into tracks of the largest total score.
 
@@ -90,7 +118,7 @@ def chain_organs(
     return np.split(tracks, starts[1:-1])
 
 
-def _predecessors(starts: NDArray[np.intp], scores: PairScores) -> NDArray[np.intp]:
+def _predecessors(starts: NDArray[np.intp], scores: PairMatrices) -> NDArray[np.intp]:
     """The predecessor of each organ, numbered over all scans; itself if it has none."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import min_weight_full_bipartite_matching

@@ -20,20 +20,11 @@ BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of
 
 
 def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.int64]]:
-    """Segment a scan into organs by their shape, in several ways.
+    """Segment a scan into organs by their shape, in several ways, the most likely one first.
 
-    Parameters
-    ----------
-    cloud : (N, 3) float ndarray
-        The aligned scan.
-    base : int
-        Index of the point at the plant base.
+    cloud: (N, 3) points of the aligned scan. base: index of the point at the plant base.
 
-    Returns
-    -------
-    list of (N,) int64 ndarray
-        Different segmentations, the most likely one first. Each has the organ of every point, 0 for
-        stem and petioles.
+    Returns for each different segmentation the (N,) organ of every point, 0 for stem and petioles.
     """
     sample = sample_plant(cloud, base)
     if sample.diameter == 0.0:

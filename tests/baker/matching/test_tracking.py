@@ -5,7 +5,12 @@ import pytest
 
 from baker.matching.descriptors import OrganDescriptors, describe_organs
 from baker.matching.score import match_scores, neighbor_displacements
-from baker.matching.tracking import chain_organs, track_organs
+from baker.matching.tracking import (
+    INDIRECT_WEIGHT,
+    averaged_penalties,
+    chain_organs,
+    track_organs,
+)
 from baker.segmentation.from_labels import hierarchy_from_labels
 from grow import plant
 
@@ -151,6 +156,44 @@ def test_an_organ_that_shrinks_scores_less_than_one_that_stays_or_grows():
     scores = [match_scores(before, scan(later, 16.0))[1, 1] for later in (6.0, 8.0, 10.0, 16.0)]
     assert scores == sorted(scores)
     assert scores[0] < scores[2] - 0.2
+
+
+def leaf_direction(azimuth: float, elevation: float) -> np.ndarray:
+    """Direction, about the stem, of a leaf with the given angles in degrees."""
+    a, e = np.radians([azimuth, elevation])
+    base = np.array([0.0, 0.0, 15.0])
+    tip = base + 12.0 * np.array([np.cos(a) * np.cos(e), np.sin(a) * np.cos(e), np.sin(e)])
+    points = np.concatenate([np.linspace([0, 0, 0], [0, 0, 30], 200), np.linspace(base, tip, 80)])
+    return described(points, np.repeat([0, 1], [200, 80]), 0).about_stem().directions[1]
+
+
+@pytest.mark.parametrize("degrees", [20, 50, 70])
+def test_a_leaf_that_droops_changes_less_than_one_that_turns(degrees):
+    before = leaf_direction(0, 0)
+    droops, turns = leaf_direction(0, -degrees), leaf_direction(degrees, 0)
+    assert np.arccos(before @ droops) < 0.7 * np.arccos(before @ turns)
+
+
+def test_directions_about_the_stem_follow_the_plant():
+    """A plant that lies on the ground has the same directions about its stem."""
+    points, labels = whorl(3, np.random.default_rng(0))
+    organs, motion = described(points, labels, 0), np.eye(4)
+    motion[:3, :3] = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
+    fallen = organs.transformed(motion).about_stem().directions
+    np.testing.assert_allclose(fallen, organs.about_stem().transformed(motion).directions)
+    np.testing.assert_allclose(np.linalg.norm(fallen, axis=1), 1.0)
+
+
+def test_a_scan_further_on_decides_between_similar_pairs():
+    tracks = [np.array([0, 1]), np.array([2, 3]), np.array([2, 3])]
+    similar, clear = np.array([[0.50, 0.45], [0.45, 0.50]]), np.array([[0.1, 1.5], [1.5, 0.1]])
+    penalties = {(0, 1): similar, (0, 2): clear, (1, 2): np.array([[0.2, np.inf], [np.inf, 0.2]])}
+    averages = averaged_penalties(penalties, tracks)
+    assert (averages[0, 1].argmin(axis=1) == [0, 1]).all()
+    assert averages[0, 1][0, 0] == pytest.approx((0.50 + INDIRECT_WEIGHT * 0.1) / 1.3)
+    assert np.isinf(averages[1, 2][0, 1])  # impossible pairs stay impossible
+    unknown = averaged_penalties(penalties, [np.arange(0)] * 3)
+    assert all(np.array_equal(unknown[pair], penalties[pair]) for pair in penalties)
 
 
 def places(*counts):
