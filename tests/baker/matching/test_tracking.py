@@ -184,14 +184,18 @@ def test_directions_about_the_stem_follow_the_plant():
     np.testing.assert_allclose(np.linalg.norm(fallen, axis=1), 1.0)
 
 
-def test_a_scan_further_on_decides_between_similar_pairs():
-    tracks = [np.array([0, 1]), np.array([2, 3]), np.array([2, 3])]
+@pytest.mark.parametrize("ambiguous", [(0, 1), (1, 2)])
+def test_scans_two_apart_decide_between_similar_pairs(ambiguous):
+    """By the scan after the next one, or by the one before the last one."""
     similar, clear = np.array([[0.50, 0.45], [0.45, 0.50]]), np.array([[0.1, 1.5], [1.5, 0.1]])
-    penalties = {(0, 1): similar, (0, 2): clear, (1, 2): np.array([[0.2, np.inf], [np.inf, 0.2]])}
-    averages = averaged_penalties(penalties, tracks)
-    assert (averages[0, 1].argmin(axis=1) == [0, 1]).all()
-    assert averages[0, 1][0, 0] == pytest.approx((0.50 + INDIRECT_WEIGHT * 0.1) / 1.3)
-    assert np.isinf(averages[1, 2][0, 1])  # impossible pairs stay impossible
+    certain = np.array([[0.2, np.inf], [np.inf, 0.2]])
+    penalties = {(0, 1): certain, (1, 2): certain, (0, 2): clear, ambiguous: similar}
+    averages = averaged_penalties(penalties, [np.array([4, 5])] * 3)
+    assert (averages[ambiguous].argmin(axis=1) == [0, 1]).all()
+    expected = (0.50 + INDIRECT_WEIGHT * 0.1) / (1.0 + INDIRECT_WEIGHT)
+    assert averages[ambiguous][0, 0] == pytest.approx(expected)
+    other = (1, 2) if ambiguous == (0, 1) else (0, 1)
+    assert np.isinf(averages[other][0, 1])  # impossible pairs stay impossible
     unknown = averaged_penalties(penalties, [np.arange(0)] * 3)
     assert all(np.array_equal(unknown[pair], penalties[pair]) for pair in penalties)
 
