@@ -174,6 +174,7 @@ def _rotation_to_z(up: Points) -> Points:
 
 def _median_of_medians(groups: Points, values: Points) -> float:
     """The median of the groups' medians: a stem has many points, but in few groups."""
-    from scipy.ndimage import median
-
-    return float(np.median(median(values, groups, np.unique(groups))))
+    order = np.lexsort((values, groups))  # importing scipy.ndimage would take longer
+    values = values[order]
+    _, first, count = np.unique(groups[order], return_index=True, return_counts=True)
+    return float(np.median((values[first + (count - 1) // 2] + values[first + count // 2]) / 2))
