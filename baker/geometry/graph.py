@@ -96,7 +96,6 @@ def geodesic_distances(
     """Geodesic distances from the nearest seed, the shortest paths along an undirected graph.
 
     graph, seeds: (N, N) csr_matrix, (s,) int. offsets: (s,) distances at the seeds, by default 0.
-
     Returns (N,) distances, infinite where there is no path.
     """
     from scipy.sparse import csr_matrix

@@ -47,8 +47,9 @@ def match_scores(
 
 def match_rewards(first: OrganDescriptors, second: OrganDescriptors) -> NDArray[np.float64]:
     """(n, m) rewards in the scores of pairs, which depend on the organs' sizes."""
-    weights = (LOSS_WEIGHT, BIRTH_WEIGHT)[:: -1 if _is_older(first, second) else 1]
-    sizes = weights[0] * first.sizes[:, None] + weights[1] * second.sizes
+    if _is_older(first, second):
+        return match_rewards(second, first).T
+    sizes = LOSS_WEIGHT * first.sizes[:, None] + BIRTH_WEIGHT * second.sizes
     return np.asarray(sizes / _organ_size(first, second) + MATCH_BONUS)
 
 

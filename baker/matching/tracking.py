@@ -3,8 +3,8 @@
 Each organ has at most one successor, in the next scan or, if it is hidden there, in one of the two
 following ones, and at most one predecessor. The links of largest total score over the series are a
 minimum weight path cover, which is solved as one sparse assignment. The plant is first rotated as a
-whole where it leans to another side. The tracks then predict where organs have moved, since
-neighbours move together, and scans two apart have a say; scores and tracks are computed again.
+whole where it leans to another side. The tracks then predict where organs move, and which organs
+two scans apart should match, too; with both of these, scores and tracks are computed again.
 """
 
 from collections.abc import Mapping, Sequence
@@ -76,9 +76,9 @@ def track_organs(
 def averaged_penalties(
     penalties: PairMatrices, numbers: Sequence[NDArray[np.int64]]
 ) -> dict[tuple[int, int], NDArray[np.float64]]:
-    """Average the penalties of pairs with those of their neighbours in the tracks found so far.
+    """Average the penalties of pairs (a, b) with those of two neighbours in the tracks so far.
 
-    Neighbours of (a, b) are a with the successor of b, and the predecessor of a with b.
+    These are a and b's successor, a's predecessor and b; impossible ones count as `MAX_PENALTY`.
     """
     averages, capped = {}, {pair: np.minimum(p, MAX_PENALTY) for pair, p in penalties.items()}
     for (k, later), own in penalties.items():
