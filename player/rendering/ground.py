@@ -63,7 +63,7 @@ class Ground:
         draw_into(self._background)
         self._passes.run(
             "ground",
-            to_floor=self._to_square @ np.linalg.inv(splats.camera.view()),
+            to_floor=self._to_square @ np.linalg.inv(splats.uniforms["view"]),
             floor_share=float(style.show_ground),
             **splats.uniforms,
             **vars(GROUNDS[style.ground]),

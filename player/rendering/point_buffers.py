@@ -26,13 +26,12 @@ MEMORY_SHARE = 0.6  # of the GPU's memory; the rest is left to framebuffers and 
 PADDING = 96  # bytes behind the last point, because compute shaders read eight points at once
 
 
-@dataclass(frozen=True)
-class Chunk:
+class Chunk(NamedTuple):
     """Consecutive points of one group of an interval."""
 
     interval: int  #: index of the interval in the clip
     first: int  #: index of the first point in the interval
-    count: int
+    length: int  #: number of points
 
 
 @dataclass(frozen=True)
@@ -100,7 +99,7 @@ class ChunkBuffers:
         self._arrays: dict[tuple[int, int], moderngl.VertexArray] = {}
         self._buffers: list[tuple[Attribute, moderngl.Buffer]] = []
         for attribute in attributes_of(interval):
-            size = attribute.values[:1].nbytes * chunk.count + PADDING
+            size = attribute.values[:1].nbytes * chunk.length + PADDING
             self._buffers.append((attribute, context.buffer(reserve=size)))
         self.size = sum(buffer.size for _, buffer in self._buffers)
         self.resident = 0  # number of points that are uploaded
@@ -221,7 +220,7 @@ class PointBuffers:
         return True
 
     def _bytes(self, chunk: Chunk) -> int:
-        return bytes_per_point(self._clip.intervals[chunk.interval]) * chunk.count
+        return bytes_per_point(self._clip.intervals[chunk.interval]) * chunk.length
 
     def _allocate(self, chunk: Chunk) -> ChunkBuffers:
         """Allocate buffers for a chunk, and free others if necessary.

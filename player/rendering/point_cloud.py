@@ -53,7 +53,8 @@ class PointCloud:
         texels = np.zeros((self.palette.height * PALETTE_WIDTH, 4), np.float32)
         texels[:tracks] = self._colors.palette(day, style)
         self.palette.write(texels)
-        self._ramp.write(self._colors.ramp(style))
+        if self._color_state is None or self._color_state[1] != style:
+            self._ramp.write(self._colors.ramp(style))
         self._definitions = {"SCALAR_FIELD": field, "HAS_FLAGS": int(style.has_organ_flags)}
         self._color_uniforms = {"palette": self.palette, "ramp": self._ramp, "by_track": by_track}
         if field:

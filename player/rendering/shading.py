@@ -22,7 +22,6 @@ def shade(gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
 
     Normals are those of the clip, or derived from depths if it has none.
     """
-    camera = splats.camera
     gbuffer.run(
         "shade",
         gbuffer.lit,
@@ -33,5 +32,5 @@ def shade(gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
         **vars(GROUNDS[style.ground]),
         eye_dome=style.eye_dome,
         depth_cue=DEPTH_CUE * style.depth_cue,
-        up_dir=tuple(camera.view()[:3, :3] @ axes(camera.up)[2]),
+        up_dir=tuple(splats.uniforms["view"][:3, :3] @ axes(splats.camera.up)[2]),
     )

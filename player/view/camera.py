@@ -191,9 +191,10 @@ class Camera:
         """(3, 3) unit vectors in rows: right, above, and from the target to the eye."""
         first, second, upward = axes(self.up)
         outward = math.cos(self.yaw) * first + math.sin(self.yaw) * second
-        backward = math.cos(self.pitch) * outward + math.sin(self.pitch) * upward
-        right = np.cross(upward, outward)
-        return np.array([right, np.cross(backward, right), backward])
+        right = math.cos(self.yaw) * second - math.sin(self.yaw) * first
+        across, along = math.cos(self.pitch), math.sin(self.pitch)
+        above, backward = across * upward - along * outward, across * outward + along * upward
+        return np.array([right, above, backward])
 
 
 def sampled_positions(clip: Clip) -> Vector:
