@@ -6,8 +6,10 @@
 
 draw  A frame of a synthetic plant without motion, and on curves of degree 1 to 3: the picture,
       and the pass over the movers alone, by OpenGL's points and by a compute shader. "of copy" is
-      the rate at which this pass reads movers, relative to the rate of copies in GPU memory. Then
-      the render passes of a frame one by one, measured by timer queries of the GPU.
+      the rate at which this pass reads movers, relative to the rate of copies in GPU memory, and
+      "main" the main thread's processor time for a whole frame: with the variable GALLIUM_NOOP=1
+      Mesa draws nothing, and this is what giving the commands takes. Then the render passes of a
+      frame one by one, measured by timer queries of the GPU.
 film  A frame of a film: encoding of pictures that were drawn before, and the whole export.
 seek  A picture after a jump to another day, and the share of it that uploads movers.
 
@@ -96,18 +98,20 @@ def draw(movers: list[int], size: Size, clock: Callable[[], float]) -> None:
     context = headless()
     copied = copy_rate(context)
     print(f"{context.info['GL_RENDERER']}, {size[0]}x{size[1]}, copies {copied / 1e9:.1f} GB/s\n")
-    print_head("movers", "paths", "B a mover", "frame", "to static", "points", "compute", "of copy")
+    names = "B a mover", "frame", "to static", "points", "compute", "of copy", "main"
+    print_head("movers", "paths", *names)
     profiles = []
     for count in movers:
         baseline = 0.0
         for degree, path in enumerate(PATHS):
             clip = growing(count, degree) if degree else static(count)
-            times, profile = _draw_times(context, clip, size, clock)
+            *times, main, profile = _draw_times(context, clip, size, clock)
             baseline = baseline or times[0]
             mover_size = bytes_per_point(clip.intervals[0])
             rate = 1e3 * mover_size * count / min(time for time in times[1:] if time)
             ratio, share = f"{times[0] / baseline:.2f}", f"{100 * rate / copied:.0f} %"
-            print_row(f"{count:,}", path, mover_size, times[0], ratio, *times[1:], share)
+            cells = (*times[1:], share, f"{main:.2f}")
+            print_row(f"{count:,}", path, mover_size, times[0], ratio, *cells)
             profiles.append((f"{count:,}, {path}", profile))
     for title, profile in profiles:
         print(f"\n{title}\n{profile}")
@@ -128,15 +132,17 @@ def copy_rate(context: moderngl.Context) -> float:
 
 def _draw_times(
     context: moderngl.Context, clip: Clip, size: Size, clock: Callable[[], float]
-) -> tuple[list[float], str]:
+) -> tuple[float, float, float, float, str]:
     """Measure a frame and the pass over the movers.
 
     Returns
     -------
-    list of float
+    frame, points, compute : float
         Milliseconds of the whole frame, and of the pass over the movers by OpenGL's points and by a
         compute shader; 0 without compute shaders.
-    str
+    main : float
+        Milliseconds of the whole frame on the main thread.
+    profile : str
         A table of the render passes of a frame.
     """
     renderer, framebuffer = Renderer(context, clip), context.simple_framebuffer(size)
@@ -157,6 +163,7 @@ def _draw_times(
     for k, work in enumerate(works):
         _finished(context, work)  # compiles the shaders, uploads the movers
         best[k] = min(_repeated(context, work, clock) for _ in range(ROUNDS))
+    main = min(_repeated(context, works[0], time.thread_time) for _ in range(ROUNDS))
     timers = renderer.timers
     while timers.finish_frame():  # frames drawn so far
         pass
@@ -167,7 +174,7 @@ def _draw_times(
     while timers.finish_frame():
         pass
     renderer.release()
-    return best, profile_table([timers])
+    return best[0], best[1], best[2], main, profile_table([timers])
 
 
 def _repeated(

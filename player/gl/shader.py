@@ -44,13 +44,13 @@ def set_uniforms(program: moderngl.Program | moderngl.ComputeShader, **values: A
     for name, value in values.items():
         if (uniform := cast(moderngl.Uniform | None, program.get(name, None))) is None:
             continue
+        if isinstance(value, moderngl.Texture):
+            value.use(unit := next(units))
+            value = unit
         if isinstance(value, np.ndarray):
             uniform.write(np.ascontiguousarray(value.T, np.float32).tobytes())
-        elif isinstance(value, moderngl.Texture):
-            value.use(unit := next(units))
-            uniform.value = unit
-        else:
-            uniform.value = value
+        elif value != uniform.extra:  # what it was set to before
+            uniform.value = uniform.extra = value
 
 
 Rectangle = tuple[int, int, int, int]  # left and bottom edge, width and height

@@ -20,7 +20,9 @@ from gclip.evaluate import Layer, layers_at
 from player.gl.gl_errors import OutOfGpuMemory, check_context
 from player.gl.gpu_memory import total_gpu_memory
 
-MAX_BUFFER_SIZE = 96 << 20  # bytes of a chunk's positions (16 M points), which any driver allows
+# Bytes of the positions in a full chunk, of 16 to 89 million points: large ones need few commands,
+# but several have to fit into the memory, and OpenGL guarantees no more than 65,535 workgroups.
+BUFFER_SIZES, BUFFER_SHARE = (96 << 20, 512 << 20), 1 / 32  # the latter of the memory for points
 SLICE = 1 << 20  # number of points that are uploaded at once
 MEMORY_SHARE = 0.6  # of the GPU's memory; the rest is left to framebuffers and other programs
 PADDING = 96  # bytes behind the last point, because compute shaders read eight points at once
@@ -75,11 +77,6 @@ def attributes_of(interval: Interval) -> list[Attribute]:
         (interval.normals, "4f1", "in_normals", 7),
     ]
     return [Attribute(v, kind, name, at) for v, kind, name, at in candidates if v is not None]
-
-
-def chunk_length(interval: Interval) -> int:
-    """Number of points in a full chunk of an interval."""
-    return MAX_BUFFER_SIZE // (3 * interval.curve[0].itemsize)
 
 
 def bytes_per_point(interval: Interval) -> int:
@@ -143,21 +140,25 @@ class PointBuffers:
         self._context = context
         self._clip = clip
         self._capacity = int(MEMORY_SHARE * total_gpu_memory(context)) if memory is None else memory
+        allowed = context.info.get("GL_MAX_SHADER_STORAGE_BLOCK_SIZE", 0)
+        size = min(allowed, int(BUFFER_SHARE * self._capacity))
+        self._buffer_size = int(np.clip(size, *BUFFER_SIZES))
         self._kept: dict[Chunk, ChunkBuffers] = {}  # least recently used first
         self.loaded = 0
 
     def size(self, intervals: Set[int] | None = None) -> int:
         """Bytes that the chunks of some intervals occupy, by default of all intervals."""
-        return sum(
-            buffers.size
-            for chunk, buffers in self._kept.items()
-            if intervals is None or chunk.interval in intervals
-        )
+        kept = self._kept.items()
+        return sum(b.size for chunk, b in kept if intervals is None or chunk.interval in intervals)
+
+    def chunk_length(self, interval: Interval) -> int:
+        """Number of points in the longest chunk of an interval."""
+        return max(min(len(interval), self._buffer_size // (3 * interval.curve[0].itemsize)), 1)
 
     def chunks(self, drawn: DrawRange) -> Iterator[tuple[Chunk, int]]:
         """Yield the chunks of a range, and the number of points of each that are drawn."""
         layer, group = drawn.layer, drawn.layer.group
-        length = chunk_length(self._clip.intervals[layer.interval])
+        length = self.chunk_length(self._clip.intervals[layer.interval])
         for offset in range(0, drawn.count, length):
             count = min(length, group.count - offset)
             chunk = Chunk(layer.interval, group.first + offset, count)
@@ -211,10 +212,10 @@ class PointBuffers:
         if not resident:
             return False
         drawn = min(resident, key=lambda r: resident[r] / r.count)
-        length = chunk_length(self._clip.intervals[drawn.layer.interval])
+        length = self.chunk_length(self._clip.intervals[drawn.layer.interval])
         chunk, count = next(islice(self.chunks(drawn), resident[drawn] // length, None))
-        is_new = chunk not in self._kept
-        if is_new and self._bytes(chunk) + self.size(kept_intervals) > self._capacity:
+        room = self._capacity - self.size(kept_intervals)
+        if chunk not in self._kept and self._bytes(chunk) > room:
             return False
         self.fetch(chunk, min(resident[drawn] % length + SLICE, count))
         return True

@@ -12,13 +12,13 @@ from gclip.evaluate import Layer, bernstein
 from player.gl.framebuffer import texture
 from player.gl.shader import compile_program, set_uniforms
 from player.gl.timers import PassTimers
-from player.rendering.point_buffers import ChunkBuffers, DrawRange, PointBuffers, chunk_length
+from player.rendering.point_buffers import ChunkBuffers, DrawRange, PointBuffers
 from player.view.colors import RAMP_SIZE, Colors
 from player.view.style import Style
 
 PALETTE_WIDTH = 1024  # texels in a row of the palette
 MAX_TRACKS = 1024  # number of tracks that ten bits of a point's code tell apart
-WORKGROUP = 64  # invocations in a workgroup of a compute shader
+WORKGROUP = 256  # invocations in a workgroup of a compute shader
 POINTS_PER_INVOCATION = 8
 
 
@@ -99,7 +99,7 @@ class PointCloud:
         Strided vertex attributes would need no indices, but OpenGL limits strides to 2,048 bytes.
         """
         if stride > 1 and stride not in self._indices:
-            longest = max(min(chunk_length(i), len(i)) for i in self.clip.intervals)
+            longest = max(map(self.buffers.chunk_length, self.clip.intervals))
             indices = np.arange(0, longest, stride, dtype=np.uint32)
             self._indices[stride] = self.context.buffer(indices)
         return self._indices.get(stride)

@@ -192,9 +192,8 @@ class Camera:
         first, second, upward = axes(self.up)
         outward = math.cos(self.yaw) * first + math.sin(self.yaw) * second
         right = math.cos(self.yaw) * second - math.sin(self.yaw) * first
-        across, along = math.cos(self.pitch), math.sin(self.pitch)
-        above, backward = across * upward - along * outward, across * outward + along * upward
-        return np.array([right, above, backward])
+        level, steep = math.cos(self.pitch), math.sin(self.pitch)
+        return np.array([right, level * upward - steep * outward, level * outward + steep * upward])
 
 
 def sampled_positions(clip: Clip) -> Vector:

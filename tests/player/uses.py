@@ -6,6 +6,7 @@ import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from unittest.mock import Mock
 
 import numpy as np
 
@@ -61,7 +62,7 @@ def loaded(clip: Clip) -> None:
     for camera in (home, Camera.home(clip, 0.5, turning=True), home_camera(clip, (1280.0, 720.0))):
         assert np.isfinite(camera.matrix(ASPECT)).all()
         assert np.isfinite(camera.zoom(1e9).orbit(1.0, 1.0).pan(0.1, 0.1).matrix(ASPECT)).all()
-    closing, buffers = ClosingDistances(clip), PointBuffers(None, clip, 0)  # type: ignore[arg-type]
+    closing, buffers = ClosingDistances(clip), PointBuffers(Mock(info={}), clip, 0)
     for day in days_of(clip):
         assert np.isfinite(closing.at(day))
         assert date_at(clip.scans, day) is not None

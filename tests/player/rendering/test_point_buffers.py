@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from unittest.mock import MagicMock as Mock
 
 import moderngl
 import numpy as np
@@ -26,7 +27,7 @@ SIZE = (160, 120)
 @pytest.fixture
 def small_chunks(monkeypatch: pytest.MonkeyPatch) -> int:
     """Points of a quantised chunk."""
-    monkeypatch.setattr(point_buffers, "MAX_BUFFER_SIZE", 6 * 333)
+    monkeypatch.setattr(point_buffers, "BUFFER_SIZES", (6 * 333,) * 2)
     monkeypatch.setattr(point_buffers, "SLICE", 100)
     return 333
 
@@ -87,6 +88,25 @@ def test_the_room_is_kept_to(context: moderngl.Context, make_clip, small_chunks:
         wanted = ranges_at(clip, float(day))
         assert buffers.load(wanted, 1.0) == wanted
         assert 0 < buffers.size() <= limit
+
+
+@pytest.mark.parametrize(
+    ("memory", "limit", "size"),
+    [
+        (2 << 30, 2 << 30, 96 << 20),  # a small GPU keeps several chunks
+        (8 << 30, 2 << 30, 256 << 20),
+        (8 << 30, 128 << 20, 128 << 20),  # a driver allows no larger storage buffers
+        (8 << 30, None, 96 << 20),  # without compute shaders
+        (64 << 30, 2 << 30, 512 << 20),
+    ],
+)
+def test_chunks_are_as_large_as_the_gpu_allows(
+    make_clip, memory: int, limit: int | None, size: int
+) -> None:
+    reported = {} if limit is None else {"GL_MAX_SHADER_STORAGE_BLOCK_SIZE": limit}
+    interval = Mock(curve=(np.zeros((1, 3), np.uint16),), __len__=lambda _: 10**9)
+    buffers = PointBuffers(Mock(info=reported), make_clip(), memory)
+    assert buffers.chunk_length(interval) == size // 6
 
 
 def test_without_time_the_beginning_is_there_and_the_rest_follows(
