@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.sample import EvenSample, surface_graph
-from baker.alignment.up_axis_search import upright
 from baker.geometry.graph import branches
 from baker.geometry.up_axis import Vertical
 
@@ -31,7 +30,7 @@ def pose_at(
     sample: EvenSample, base: NDArray[np.float64], stem: int | None, vertical: Vertical
 ) -> Pose:
     """The pose of a scan with a (3,) plant base, and the label of its stem, None without labels."""
-    rotation = upright(vertical)
+    rotation = vertical.to_z
     frame = np.eye(4)
     frame[:3, :3], frame[:3, 3] = rotation, -rotation @ base
     points = (sample.points - base) @ rotation.T

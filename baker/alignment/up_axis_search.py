@@ -43,14 +43,6 @@ def find_up(
     return directions[best], [Finding("up", description, doubt, option if doubt else "")]
 
 
-def upright(vertical: Vertical) -> NDArray[np.float64]:
-    """(3, 3) rotation from the direction of growth to +z, the identity for z up."""
-    first, up = np.zeros(3), np.zeros(3)
-    first[(vertical.axis + 1) % 3] = 1.0
-    up[vertical.axis] = vertical.sign
-    return np.stack([first, np.cross(up, first), up])
-
-
 def _costs(sample: EvenSample) -> NDArray[np.float64]:
     """(6,) cost of each direction: relative width and lean of the stem, and lowness of the mass."""
     from scipy.sparse.csgraph import dijkstra

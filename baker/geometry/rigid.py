@@ -7,7 +7,7 @@ MIN_COSINE = -0.999  # the smallest rotation between nearly opposite directions 
 
 
 def rotations_between(
-    origin: NDArray[np.float64], target: NDArray[np.float64]
+    origin: NDArray[np.floating], target: NDArray[np.floating]
 ) -> NDArray[np.float64]:
     """(n, 3, 3) smallest rotations between (n, 3) unit vectors, the identity for opposite ones."""
     axes, cosines = np.cross(origin, target), (origin * target).sum(axis=1)

@@ -19,6 +19,12 @@ class Vertical:
         """Make the direction that is called "x", "y", "z", "-x", "-y" or "-z"."""
         return cls("xyz".index(up[-1]), -1 if up.startswith("-") else 1)
 
+    @property
+    def to_z(self) -> NDArray[np.float64]:
+        """(3, 3) rotation from this direction to +z, the identity for z up."""
+        signs = np.array([[1], [self.sign], [self.sign]])
+        return signs * np.roll(np.eye(3), -1 - self.axis, axis=0)
+
     def height(self, points: NDArray[np.floating]) -> NDArray[np.floating]:
         """(N,) height of (N, 3) points."""
         return self.sign * points[:, self.axis]

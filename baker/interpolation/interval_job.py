@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,8 @@ from baker.transport.correspondences import correspond
 from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
+
+SMALL_SHARE = 0.5  # of a thread's share of the points, which all small organs together have at most
 
 
 @dataclass(frozen=True)
@@ -137,42 +140,28 @@ def _decays(
 def solve_intervals(
     jobs: Sequence[IntervalJob], report_progress: ReportProgress, workers: int = 1
 ) -> Iterator[Interval]:
-    """Solve intervals in threads: one interval a thread or, if there are fewer, one organ a thread.
+    """Solve intervals in threads: one interval a thread or, if there are fewer, organs of it.
 
-    Parameters
-    ----------
-    jobs : sequence of IntervalJob
-    report_progress : callable
-        Called with the number of organs solved and their total.
-    workers : int
-        Number of threads; the intervals don't depend on it.
-
-    Yields
-    ------
-    gclip.Interval
-        In the order of the jobs.
+    Yields the intervals in the order of the jobs; they don't depend on `workers`, the number of
+    threads. report_progress: called with the number of steps done and their total.
     """
-    done, total = 0, sum(len(job.tasks) for job in jobs)
     with thread_map(workers) as map:
         if len(jobs) < workers:
-            organ_map = reporting(map, report_progress, total)
-            yield from (solve_interval(job, organ_map, workers) for job in jobs)
+            map = reporting(map, report_progress, sum(len(_batches(job, workers)) for job in jobs))
+            yield from (solve_interval(job, map, workers) for job in jobs)
             return
-        report_progress(0, total)
+        map = reporting(map, report_progress, len(jobs))
         # The largest intervals first, so that threads finish at about the same time.
         order = sorted(range(len(jobs)), key=lambda k: -len(jobs[k].end.positions))
-        solved = dict[int, Interval]()
-        for k, interval in zip(order, map(solve_interval, [jobs[k] for k in order]), strict=True):
-            solved[k], done = interval, done + len(jobs[k].tasks)
-            report_progress(done, total)
+        solved = dict(zip(order, map(solve_interval, [jobs[k] for k in order]), strict=True))
         yield from (solved[k] for k in range(len(jobs)))
 
 
 def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> Interval:
     """Solve one interval; the result does not depend on `map` and `workers`.
 
-    map: maps over the organs, in threads. workers: number of threads for the transport of an organ
-    with more points than an equal share for each thread.
+    map: maps over batches of organs, in threads. workers: number of threads for the transport of an
+    organ with more points than an equal share for each thread.
     """
     clouds, scan = (job.start.positions, job.end.positions), job.match.second
     shapes: Sequence[Mapping[int, OrganShape]] = {}, {}
@@ -181,9 +170,9 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         matched = [a for a, _ in match.pairs], [b for _, b in match.pairs]
         sides = (match.first, match.second), job.bases, job.attachments, matched
         shapes = list(map(organ_shapes, clouds, *sides))
-    sizes = [len(task.start) + len(task.end) for task in job.tasks]
+    total = sum(task.size for task in job.tasks)
 
-    def solve(task: Task, size: int) -> OrganPaths | None:
+    def solve(task: Task) -> OrganPaths | None:
         if task.event == "loss":
             return None
         start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
@@ -191,7 +180,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         parts: Sequence[LeafletPair] = ()
         if task.event == "match" and all(task.organ in side for side in shapes):
             motion, parts = _register_organ(start, end, *(side[task.organ] for side in shapes))
-        threads = workers if size * workers > sum(sizes) else 1
+        threads = workers if task.size * workers > total else 1
         plan = correspond(start, end, replace(job.transport, workers=threads), parts)
         paths, origin = OrganPaths(task, plan), start.take(plan.rows, axis=0)
         if timing := job.timings.get(task.organ):
@@ -203,13 +192,29 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         of_children = child_deviations(task.organ, motion, clouds[1], scan)
         return replace(paths, deviation=deviation, child_deviations=of_children)
 
-    # The largest organs first, so that threads finish at about the same time.
-    order = np.argsort(sizes, kind="stable")[::-1]
-    solutions = list(map(solve, [job.tasks[k] for k in order], [sizes[k] for k in order]))
-    paths = [organ for k in np.argsort(order) if (organ := solutions[k]) is not None]
+    def solve_batch(batch: list[int]) -> list[OrganPaths | None]:
+        return [solve(job.tasks[k]) for k in batch]
+
+    batches = _batches(job, workers)
+    solved = dict(zip(chain(*batches), chain(*map(solve_batch, batches)), strict=True))
+    paths = [organ for k in range(len(solved)) if (organ := solved[k]) is not None]
     # In a thread of the map, which uses the memory of the transport again.
     (interval,) = map(_packed, [paths], [job])
     return interval
+
+
+def _batches(job: IntervalJob, workers: int) -> list[list[int]]:
+    """Indices of tasks in batches for threads: of each large organ, and of all small ones together.
+
+    Small organs hold the interpreter's lock for most of their time, so one thread solves them while
+    others solve large ones. The largest come first, so that threads finish at about the same time.
+    """
+    sizes = [task.size for task in job.tasks]
+    ascending = sorted(range(len(sizes)), key=sizes.__getitem__)
+    limit = SMALL_SHARE * sum(sizes) / workers
+    small = int(np.searchsorted(np.cumsum(sorted(sizes)), limit))
+    large = [[k] for k in reversed(ascending[small:])]
+    return [*large[:1], ascending[:small], *large[1:]]
 
 
 def _packed(paths: Sequence[OrganPaths], job: IntervalJob) -> Interval:

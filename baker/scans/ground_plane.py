@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.neighbors import point_spacing
+from baker.geometry.rigid import rotations_between
 from baker.geometry.up_axis import Vertical
 
 Points = NDArray[np.floating]
@@ -72,9 +73,8 @@ def find_plane(sample: Points, frame: Points) -> Ground | None:
 
 def upright_sample(points: Points, up: str) -> tuple[Points, Points]:
     """Sample at most 20,000 of (N, 3) points; also return the (3, 3) rotation from `up` to +z."""
-    vertical = Vertical.named(up)
-    frame = _rotation_to_z(vertical.sign * np.eye(3)[vertical.axis])
-    return np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64), frame
+    sample = np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64)
+    return sample, Vertical.named(up).to_z
 
 
 def _fit_ground(sample: Points, frame: Points, share: float) -> Ground | None:
@@ -86,7 +86,7 @@ def _fit_ground(sample: Points, frame: Points, share: float) -> Ground | None:
         level, normal = _fit_plane(cells, width)
         if level.sum() < CELLS:
             return None
-        rotation = _rotation_to_z(normal)
+        rotation = rotations_between(normal[None], np.eye(3)[2:])[0]
         frame, cells = rotation @ frame, cells[level] @ rotation.T
     outline, score = outline_of(cells[:, :2], width)
     if score < MIN_SCORE:
@@ -162,14 +162,8 @@ def _fit_plane(cells: Points, width: float) -> tuple[NDArray[np.bool_], Points]:
     for _ in range(4):
         level = np.abs(heights - sides @ plane) <= 1
         plane = np.linalg.lstsq(sides[level], heights[level], rcond=None)[0]
-    return level, np.array([-plane[0], -plane[1], 1.0])
-
-
-def _rotation_to_z(up: Points) -> Points:
-    """The (3, 3) rotation matrix that rotates `up` to the z axis."""
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.align_vectors([[0.0, 0.0, 1.0]], [up])[0].as_matrix())
+    normal = np.array([-plane[0], -plane[1], 1.0])
+    return level, normal / np.linalg.norm(normal)
 
 
 def _median_of_medians(groups: Points, values: Points) -> float:

@@ -80,8 +80,6 @@ def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray
         ``[np.flatnonzero(labels == label) for label in np.unique(labels)]``.
     """
     distinct, index = np.unique(labels, return_inverse=True)
-    keys = (
-        index.astype(np.int16) if len(distinct) <= 2**15 else index
-    )  # int16 sorts 4 times as fast
-    order = np.argsort(keys, kind="stable")
+    kind = np.int16 if len(distinct) <= 2**15 else np.int64  # the former sorts 4 times as fast
+    order = np.argsort(index.astype(kind), kind="stable")
     return distinct.tolist(), np.split(order, np.cumsum(np.bincount(index))[:-1])

@@ -25,6 +25,11 @@ class Task:
     start: NDArray[np.intp]  # (n,) points of the first scan; of a new organ, of its parent
     end: NDArray[np.intp]  # (m,) points of the second scan; empty for a lost organ
 
+    @property
+    def size(self) -> int:
+        """The number of points in both scans."""
+        return len(self.start) + len(self.end)
+
 
 def interval_tasks(
     points: tuple[Points, Points],
@@ -109,4 +114,5 @@ def _attachment_points(
     nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:count]
     bound = 1.000001 * float(nearest[-1]) or np.inf
     distances, _ = tree.query(points[0].take(members, axis=0), distance_upper_bound=bound)
-    return members[np.argsort(distances, kind="stable")[:count]]
+    near = np.flatnonzero(np.isfinite(distances))  # within the bound
+    return members[near[np.argsort(distances[near], kind="stable")[:count]]]

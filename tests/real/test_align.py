@@ -10,7 +10,7 @@ import pytest
 from baker.alignment import align
 from baker.alignment.icp import fit_rigid
 from baker.alignment.sample import even_sample
-from baker.alignment.up_axis_search import find_up, upright
+from baker.alignment.up_axis_search import find_up
 from baker.geometry.up_axis import Vertical
 from baker.scans import read_series
 from tests.baker.series import series_of
@@ -44,7 +44,7 @@ def moved(cloud, transform):
 
 def assert_steps_agree(found, truth, up):
     """From each scan to the one before it: yaw within 3.5 degrees, tilt within 0.1."""
-    frame = upright(Vertical.named(up))
+    frame = Vertical.named(up).to_z
     for pair, true_pair in zip(pairwise(found), pairwise(truth), strict=True):
         step, wanted = (np.linalg.inv(a) @ b for a, b in (pair, true_pair))
         turn = frame @ step[:3, :3] @ wanted[:3, :3].T @ frame.T
@@ -61,7 +61,7 @@ def test_it_does_not_matter_how_each_scan_stands(series, up):
         pose = np.eye(4)
         pose[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
         pose[:3, 3] = random.uniform(-50.0, 50.0, 3)
-        pose[:3] = upright(Vertical.named(up)).T @ pose[:3]
+        pose[:3] = Vertical.named(up).to_z.T @ pose[:3]
         poses.append(pose)
     found = align(series_of(list(map(moved, clouds, poses))))
     truth = [
@@ -130,7 +130,7 @@ def test_z_or_y_is_found_and_any_other_axis_is_found_or_named(series, name):
     clouds = example_clouds() if name == "the example" else clouds_of(series(name))
     samples = [even_sample(cloud) for cloud in clouds]
     for up in ("x", "y", "z", "-x", "-y", "-z"):
-        turn = upright(Vertical.named(up))
+        turn = Vertical.named(up).to_z
         turned = [replace(s, pool=s.pool @ turn, points=s.points @ turn) for s in samples]
         found, (finding, *_) = find_up(turned)
         assert found == up or (up not in "yz" and finding.option == f"--up {up}")

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from baker.alignment import align
-from baker.alignment.up_axis_search import upright
 from baker.geometry.up_axis import Vertical
 from tests.baker.series import series_of
 
@@ -28,7 +27,7 @@ def test_scattered_scans_come_back(days, scattered):
 
 @pytest.mark.parametrize("up", ["x", "y", "-x", "-y", "-z"])
 def test_in_any_orientation(days, scattered, up):
-    turn = upright(Vertical.named(up)).T
+    turn = Vertical.named(up).to_z.T
     clouds = [cloud @ turn.T for cloud in scattered]
     found = align(series_of(clouds, ground_up=up))
     assert found.up == up

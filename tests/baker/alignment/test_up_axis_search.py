@@ -1,7 +1,7 @@
 """z is up, unless a ground or the whole series says clearly otherwise; what was close is told."""
 
 from baker.alignment.sample import even_sample
-from baker.alignment.up_axis_search import find_up, upright
+from baker.alignment.up_axis_search import find_up
 from baker.geometry.up_axis import Vertical
 
 
@@ -11,7 +11,7 @@ def test_z_is_not_left_for_little(days):
 
 
 def test_y_is_found(days):
-    turn = upright(Vertical.named("y"))
+    turn = Vertical.named("y").to_z
     up, (finding,) = find_up([even_sample(cloud @ turn) for cloud in days])
     assert (up, finding.doubt) == ("y", "")
 
@@ -24,6 +24,6 @@ def test_the_ground_decides(days):
 
 def test_another_axis_is_found_or_named(days):
     for name in ("x", "-x", "-y", "-z"):
-        turn = upright(Vertical.named(name))
+        turn = Vertical.named(name).to_z
         up, (finding,) = find_up([even_sample(cloud @ turn) for cloud in days])
         assert up == name or finding.option == f"--up {name}"

@@ -3,12 +3,17 @@
 import pickle
 import threading
 from dataclasses import replace
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from baker import Options
-from baker.interpolation.interval_job import solve_interval, solve_intervals
+from baker.interpolation.interval_job import _batches, solve_interval, solve_intervals
 from baker.pipeline import bake_with_survey
+from baker.transport.tasks import Task
 
 PLAIN = Options(align="none", up="z", workers=1)
 
@@ -35,7 +40,7 @@ def test_jobs_sent_away_give_the_same_clip(write_scans, tmp_path, options):
 
 
 @pytest.mark.parametrize("workers", [1, 2, 5])
-def test_progress_reaches_all_organs(write_scans, workers):
+def test_progress_reaches_all_steps(write_scans, workers):
     reported = []
     bake_with_survey(
         [write_scans(days=(0, 1, 2))],
@@ -88,3 +93,15 @@ def test_the_threads_of_earlier_stages_end_before_the_transport(write_scans):
 
     bake_with_survey([write_scans()], replace(PLAIN, workers=2), solve=solve)
     assert not left
+
+
+@given(sizes=st.lists(st.integers(1, 10_000), min_size=1, max_size=60), workers=st.integers(1, 16))
+def test_small_organs_are_solved_in_one_batch(sizes, workers):
+    """Which has at most half of a thread's share of the points, and comes after the largest."""
+    tasks = [Task("match", k, np.arange(size), np.arange(0)) for k, size in enumerate(sizes)]
+    first, small, *others = _batches(SimpleNamespace(tasks=tasks), workers)
+    assert sorted([*first, *small, *(k for batch in others for k in batch)]) == [*range(len(sizes))]
+    large = [sizes[k] for (k,) in [first, *others]]
+    assert large == sorted(large, reverse=True)
+    assert sum(sizes[k] for k in small) <= sum(sizes) / workers / 2
+    assert max((sizes[k] for k in small), default=0) <= large[-1]
