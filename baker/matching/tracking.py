@@ -23,7 +23,8 @@ PairMatrices = Mapping[tuple[int, int], NDArray[np.float64]]
 """(earlier scan, later scan) -> (n, m) scores or penalties of the pairs of their organs"""
 
 # docs/method.md, "Tracking organs".
-GAP_FACTORS = (1.0, 0.9, 0.8)  # of the score of a successor in the next, second and third scan
+MAX_STEP = 3  # greatest number of scans from an organ to its successor
+HIDDEN_PENALTY = 0.8  # of a pair's score, for each scan between its organs
 INDIRECT_WEIGHT = 0.3  # of the penalties of pairs that tracks connect, relative to a pair's own
 ROUNDS = 4  # number of times that pairs are scored and tracks are found
 CORRECTION_SCORE = 1e6  # of a pair that a correction links, greater than all other scores together
@@ -50,7 +51,7 @@ def track_organs(
     organs = [describe_organs(*scan, stem=stem) for scan in scans]
     organ_of = [hierarchy.numbers() for hierarchy in hierarchies]  # of each point
     distances = [np.linalg.norm(scan.attachments - scan.base, axis=1) for scan in organs]
-    motions = plant_motions(organs, len(GAP_FACTORS))
+    motions = plant_motions(organs, MAX_STEP)
     organs = [scan.about_stem() for scan in organs]
     moved = {(k, later): organs[k].transformed(motions[k, later]) for k, later in motions}
     numbers = [np.arange(0)] * len(organs)
@@ -60,8 +61,9 @@ def track_organs(
             for (k, later), first in moved.items()
         }
         scores = {
-            (k, later): GAP_FACTORS[later - k - 1]
-            * (match_rewards(moved[k, later], organs[later]) - penalties)
+            (k, later): match_rewards(moved[k, later], organs[later])
+            - penalties
+            - HIDDEN_PENALTY * (later - k - 1)
             for (k, later), penalties in averaged_penalties(own, numbers).items()
         }
         for correction in corrections:
