@@ -20,8 +20,8 @@ from baker.matching.descriptors import OrganDescriptors
 # docs/method.md, "Tracking organs"; lengths are in sizes of the plant's organs. A loss costs more
 # than a birth, since organs are seldom lost, and new ones are small.
 LOSS_WEIGHT, BIRTH_WEIGHT, MATCH_BONUS = 1.8, 0.9, 1.2
-TURN_PENALTY = 0.45  # per radian
-ORDER_PENALTY, MAX_ORDER_CHANGE = 0.15, 2.0  # per change in the number of organs below
+TURN_PENALTY = 0.3  # per radian
+ORDER_PENALTY, MAX_ORDER_CHANGE = 0.2, 2.0  # per change in the number of organs below
 BASE_BONUS = 0.75  # for an organ at the plant base, where none is born
 SHRINKING_PENALTY = 0.6  # per size by which the younger organ is larger
 MAX_PENALTY = 1.8  # of a possible pair; above it, a loss and a birth are more likely
