@@ -24,7 +24,7 @@ PairMatrices = Mapping[tuple[int, int], NDArray[np.float64]]
 
 # docs/method.md, "Tracking organs".
 MAX_STEP = 3  # greatest number of scans from an organ to its successor
-HIDDEN_PENALTY = 0.8  # of a pair's score, for each scan between its organs
+HIDDEN_PENALTY = 0.8  # of a pair, for each scan between its organs
 INDIRECT_WEIGHT = 0.3  # of the penalties of pairs that tracks connect, relative to a pair's own
 ROUNDS = 4  # number of times that pairs are scored and tracks are found
 CORRECTION_SCORE = 1e6  # of a pair that a correction links, greater than all other scores together
@@ -60,12 +60,10 @@ def track_organs(
             (k, later): match_penalties(first, organs[later], _linked(numbers, k, later))
             for (k, later), first in moved.items()
         }
-        scores = {
-            (k, later): match_rewards(moved[k, later], organs[later])
-            - penalties
-            - HIDDEN_PENALTY * (later - k - 1)
-            for (k, later), penalties in averaged_penalties(own, numbers).items()
-        }
+        scores = {}
+        for (k, later), penalties in averaged_penalties(own, numbers).items():
+            penalties += HIDDEN_PENALTY * (later - k - 1)
+            scores[k, later] = match_rewards(moved[k, later], organs[later]) - penalties
         for correction in corrections:
             same, (k, later) = correction.kind == "same", correction.scans
             if (k, later) in scores and (later == k + 1 or not same):

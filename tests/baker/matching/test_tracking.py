@@ -94,6 +94,26 @@ def test_an_organ_hidden_in_a_scan_comes_back_as_itself(series, scans):
     assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
 
 
+def stem_with_leaves(*leaves: tuple[float, float, float]):
+    """A stem with straight leaves of an azimuth in degrees, a height and a length each."""
+    organs = [np.linspace([0, 0, 0], [0, 0, 20], 200)]
+    for azimuth, height, length in leaves:
+        direction = np.cos(np.radians(azimuth)), np.sin(np.radians(azimuth)), 0.5
+        along = np.linspace(0, length, 80)[:, None]
+        organs.append([0.0, 0.0, height] + along * direction)
+    labels = np.repeat(np.arange(len(organs)), [len(organ) for organ in organs])
+    return np.concatenate(organs), labels
+
+
+@pytest.mark.parametrize("azimuth", [30, 45, 60])
+def test_a_leaf_that_turns_is_not_the_one_that_comes_in_its_place(azimuth):
+    others = (100, 8, 14), (250, 12, 14)
+    turned, replaced = (azimuth, 15, 3), (0, 15, 3)
+    scans = [(*others, replaced), (*others, turned), (*others, turned, replaced)]
+    clouds, truth = zip(*(stem_with_leaves(*leaves) for leaves in scans), strict=True)
+    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
+
+
 def test_half_a_leaf_is_still_the_leaf(series):
     clouds, truth = (list(part) for part in series)
     reach = np.abs(clouds[2][:, 0])
