@@ -141,7 +141,7 @@ class PointBuffers:
         self._clip = clip
         self._capacity = int(MEMORY_SHARE * total_gpu_memory(context)) if memory is None else memory
         allowed = context.info.get("GL_MAX_SHADER_STORAGE_BLOCK_SIZE", 0)
-        size = min(allowed, int(BUFFER_SHARE * self._capacity))
+        size = min(allowed - PADDING, int(BUFFER_SHARE * self._capacity))
         self._buffer_size = int(np.clip(size, *BUFFER_SIZES))
         self._kept: dict[Chunk, ChunkBuffers] = {}  # least recently used first
         self.loaded = 0
