@@ -29,7 +29,7 @@ from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
 
-SMALL_SHARE = 0.5  # of a thread's share of the points, which all small organs together have at most
+SMALL_SHARE = 0.5  # greatest share of all small organs, relative to an equal one for each thread
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ PairMatrices = Mapping[tuple[int, int], NDArray[np.float64]]
 """(earlier scan, later scan) -> (n, m) scores or penalties of the pairs of their organs"""
 
 # docs/method.md, "Tracking organs".
-MAX_STEP = 3  # greatest number of scans from an organ to its successor
+MAX_GAP = 3  # greatest number of scans from an organ to its successor
 HIDDEN_PENALTY = 0.8  # of a pair, for each scan between its organs
 INDIRECT_WEIGHT = 0.3  # of the penalties of pairs that tracks connect, relative to a pair's own
 ROUNDS = 4  # number of times that pairs are scored and tracks are found
@@ -51,7 +51,7 @@ def track_organs(
     organs = [describe_organs(*scan, stem=stem) for scan in scans]
     organ_of = [hierarchy.numbers() for hierarchy in hierarchies]  # of each point
     distances = [np.linalg.norm(scan.attachments - scan.base, axis=1) for scan in organs]
-    motions = plant_motions(organs, MAX_STEP)
+    motions = plant_motions(organs, MAX_GAP)
     organs = [scan.about_stem() for scan in organs]
     moved = {(k, later): organs[k].transformed(motions[k, later]) for k, later in motions}
     numbers = [np.arange(0)] * len(organs)

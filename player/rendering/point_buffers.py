@@ -20,9 +20,9 @@ from gclip.evaluate import Layer, layers_at
 from player.gl.gl_errors import OutOfGpuMemory, check_context
 from player.gl.gpu_memory import total_gpu_memory
 
-# Bytes of the positions in a full chunk, of 16 to 89 million points: large ones need few commands,
-# but several have to fit into the memory, and OpenGL guarantees no more than 65,535 workgroups.
-BUFFER_SIZES, BUFFER_SHARE = (96 << 20, 512 << 20), 1 / 32  # the latter of the memory for points
+# Range of the bytes of a chunk's positions (16 to 89 million points), and their share of memory:
+# large chunks need few commands, but OpenGL guarantees only 65,535 workgroups for each.
+BUFFER_SIZES, BUFFER_SHARE = (96 << 20, 512 << 20), 1 / 32
 SLICE = 1 << 20  # number of points that are uploaded at once
 MEMORY_SHARE = 0.6  # of the GPU's memory; the rest is left to framebuffers and other programs
 PADDING = 96  # bytes behind the last point, because compute shaders read eight points at once

@@ -192,8 +192,8 @@ class Camera:
         first, second, upward = axes(self.up)
         outward = math.cos(self.yaw) * first + math.sin(self.yaw) * second
         right = math.cos(self.yaw) * second - math.sin(self.yaw) * first
-        level, steep = math.cos(self.pitch), math.sin(self.pitch)
-        return np.array([right, level * upward - steep * outward, level * outward + steep * upward])
+        cos, sin = math.cos(self.pitch), math.sin(self.pitch)
+        return np.array([right, cos * upward - sin * outward, cos * outward + sin * upward])
 
 
 def sampled_positions(clip: Clip) -> Vector:

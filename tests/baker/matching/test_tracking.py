@@ -108,8 +108,8 @@ def stem_with_leaves(*leaves: tuple[float, float, float]):
 @pytest.mark.parametrize("azimuth", [30, 45, 60])
 def test_a_leaf_that_turns_is_not_the_one_that_comes_in_its_place(azimuth):
     others = (100, 8, 14), (250, 12, 14)
-    turned, replaced = (azimuth, 15, 3), (0, 15, 3)
-    scans = [(*others, replaced), (*others, turned), (*others, turned, replaced)]
+    before, after = (0, 15, 3), (azimuth, 15, 3)
+    scans = [(*others, before), (*others, after), (*others, after, before)]
     clouds, truth = zip(*(stem_with_leaves(*leaves) for leaves in scans), strict=True)
     assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
 
