@@ -27,7 +27,6 @@ SHRINKING_PENALTY = 0.6  # per size by which the younger organ is larger
 MAX_PENALTY = 1.8  # of a possible pair; above it, a loss and a birth are more likely
 # Greatest distance of a possible pair: MAX_DISTANCE times the older organ's size, plus MAX_SWAY.
 MAX_DISTANCE, MAX_SWAY = 2.0, 0.1
-CANDIDATES = 16  # number of nearest organs of the other scan with which an organ is compared
 # The displacement of an organ is estimated from its nearest neighbours, with weights of at most 1,
 # and from no displacement, with its own weight (docs/method.md, "Tracking organs").
 NEIGHBORS, STANDSTILL_WEIGHT = 3, 0.3
@@ -163,25 +162,23 @@ def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArr
     """(n, m) mean distance of the points of each young organ to each old one; inf if far apart."""
     from scipy.spatial import cKDTree
 
-    distances, candidates = np.full((len(young), len(old)), np.inf), _candidates(young, old)
-    for j, sample in enumerate(old.samples):
-        near = np.flatnonzero(candidates[:, j])
+    distances, may_match = np.full((len(young), len(old)), np.inf), _may_match(young, old)
+    for j in np.flatnonzero(may_match.any(axis=0)):
+        near = np.flatnonzero(may_match[:, j])
         points = [young.samples[i] for i in near]
         counts = np.array([*map(len, points)])
-        gaps, _ = cKDTree(sample).query(np.concatenate(points))
+        gaps, _ = cKDTree(old.samples[j]).query(np.concatenate(points))
         distances[near, j] = np.add.reduceat(gaps, np.cumsum(counts) - counts) / counts
     return distances
 
 
-def _candidates(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.bool_]:
-    """(n, m) whether one organ is among the nearest of the other, by attachments or centroids."""
-    from scipy.spatial.distance import cdist
+def _may_match(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.bool_]:
+    """(n, m) whether pairs may be near enough to match.
 
-    centroids = (np.array([s.mean(axis=0) for s in organs.samples]) for organs in (young, old))
-    distance = np.minimum(cdist(young.attachments, old.attachments), cdist(*centroids))
-    is_near = np.zeros(distance.shape, bool)
-    rows = np.argsort(distance, axis=1, kind="stable")[:, :CANDIDATES]
-    columns = np.argsort(distance, axis=0, kind="stable")[:CANDIDATES]
-    np.put_along_axis(is_near, rows, True, axis=1)
-    np.put_along_axis(is_near, columns, True, axis=0)
-    return is_near
+    The mean distance of points to an organ is not less than that of their centroid to its bounding
+    box, which is convex.
+    """
+    centroids = np.array([sample.mean(axis=0) for sample in young.samples])[:, None]
+    low, high = (np.array([side(s, axis=0) for s in old.samples]) for side in (np.min, np.max))
+    gaps = np.linalg.norm(centroids - np.clip(centroids, low, high), axis=-1)
+    return gaps < MAX_DISTANCE * old.sizes + MAX_SWAY * _organ_size(young, old)

@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from baker.geometry.graph import chain_ends, connected_knn_graph
 from baker.geometry.neighbors import NEIGHBORS, nearest_neighbors
 from baker.geometry.sampling import voxel_downsample, voxel_size_for
-from baker.segmentation.hierarchy import split_by_label
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
@@ -81,20 +80,21 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
         node_level, before_entry = int(level[members[0]]), previous[entry[members]]
         source = np.where(before_entry < 0, -1, node[before_entry])
         # Split the component by the nodes that it is reached from, unless they enclose a hole.
-        origins, counts = np.unique(source, return_counts=True)
-        groups: dict[int, list[int]] = {}
-        for origin in origins[np.argsort(-counts, kind="stable")].tolist():
-            for main in groups:
+        origins, origin_of, counts = np.unique(source, return_inverse=True, return_counts=True)
+        numbers, found = np.empty(len(origins), np.intp), dict[int, int]()  # of nodes, by origin
+        for k in np.argsort(-counts, kind="stable").tolist():
+            origin = int(origins[k])
+            for main in found:
                 loop = node_level - depth[_common_ancestor(parent, origin, main)]
                 if loop * sample.thickness < MAX_HOLE * sample.diameter:
                     break
             else:
                 main = origin
-            groups.setdefault(main, []).append(origin)
-        for main, group in groups.items():
-            node[members[np.isin(source, group)]] = len(parent)
-            parent.append(main)
-            depth.append(node_level)
+                found[main] = len(parent)
+                parent.append(origin)
+                depth.append(node_level)
+            numbers[k] = found[main]
+        node[members] = numbers[origin_of]
     return _measure_tree(sample, node, parent)
 
 
@@ -128,8 +128,7 @@ def _measure_tree(sample: PlantSample, node: NDArray[np.intp], parent: list[int]
         tip_distance[parent[child]] = max(
             tip_distance[parent[child]], tip_distance[child] + sample.thickness
         )
-    _, members = split_by_label(node)
-    width = np.array([section_width(sample.points[m], sample.distance[m]) for m in members])
+    width = section_widths(sample.points, sample.distance, node)
     return ReebTree(node, parent, children, width, tip_distance)
 
 
@@ -152,8 +151,10 @@ def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int) -> PlantS
     from scipy.spatial import cKDTree
 
     points = cloud[voxel_downsample(cloud, size)]
-    points = points[nearest_neighbors(points).inliers]
     neighbors = nearest_neighbors(points)
+    if not neighbors.inliers.all():
+        points = points[neighbors.inliers]
+        neighbors = nearest_neighbors(points)
     graph = connected_knn_graph(points, NEIGHBORS, neighbors)
     nearest = cKDTree(points).query(cloud)[1]
     distance, before = dijkstra(
@@ -183,20 +184,31 @@ def _stem_diameter(
         sections = [stem[c] for c in components if len(c) >= MIN_POINTS_OF_SECTION]
         if not sections:
             return 0.0
-        widths = [section_width(points[section], distance[section]) for section in sections]
-        weights, previous = [*map(len, sections)], diameter
+        weights, chosen, previous = [*map(len, sections)], np.concatenate(sections), diameter
+        number = np.repeat(np.arange(len(sections)), weights)
+        widths = section_widths(points[chosen], distance[chosen], number)
         diameter = float(np.quantile(widths, 0.5, weights=weights, method="inverted_cdf"))
         if abs(diameter - previous) < MAX_CHANGE * previous:
             break
     return diameter
 
 
-def section_width(points: NDArray[np.float64], distance: NDArray[np.float64]) -> float:
-    """Root mean square diameter of a section, perpendicular to the gradient of the distance."""
-    centered = points - points.mean(axis=0)
-    gradient = centered.T @ (distance - distance.mean())
-    length = np.linalg.norm(gradient)
-    if length > 0.0:
-        gradient /= length
-        centered = centered - np.outer(centered @ gradient, gradient)
-    return float(2.0 * np.sqrt((centered**2).sum(axis=1).mean()))
+def section_widths(
+    points: NDArray[np.float64], distance: NDArray[np.float64], section: NDArray[np.intp]
+) -> NDArray[np.float64]:
+    """(m,) root mean square diameters of sections, perpendicular to the gradient of the distance.
+
+    points, distance, section: (n, 3), (n,) and (n,) number of the section of each point, from 0.
+    """
+    count = np.bincount(section)[:, None]
+
+    def sums(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.stack([np.bincount(section, column) for column in values.T], axis=1)
+
+    centered = points - (sums(points) / count)[section]
+    slope = distance[:, None] - (sums(distance[:, None]) / count)[section]
+    gradient = sums(centered * slope)
+    gradient /= np.maximum(np.linalg.norm(gradient, axis=1, keepdims=True), np.finfo(float).tiny)
+    along = (centered * gradient[section]).sum(axis=1, keepdims=True)
+    variance = sums((centered**2).sum(axis=1, keepdims=True) - along**2) / count
+    return 2.0 * np.sqrt(np.maximum(variance[:, 0], 0.0))

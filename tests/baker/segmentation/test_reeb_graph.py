@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
 from baker.segmentation.organ_classification import blade_scores, flatness
 from baker.segmentation.organs import merge_strips
-from baker.segmentation.reeb_graph import reeb_tree, sample_plant
+from baker.segmentation.reeb_graph import reeb_tree, sample_plant, section_widths
 from tests.baker.segmentation.seedling import seedling, tube
 
 
@@ -111,3 +112,14 @@ def test_strips_of_a_sheet_are_joined_and_leaves_are_not():
     strip[own[abs(middle @ across - 0.4) < 0.35]] = 4
     assert (strip == 4).any()
     assert not (merge_strips(sample, strip) == 4).any()
+
+
+def test_sections_are_as_wide_as_they_are_across_the_gradient_of_the_distance():
+    rng = np.random.default_rng(0)
+    angle, along = rng.uniform(0.0, 2.0 * np.pi, 4000), rng.uniform(0.0, 9.0, 4000)
+    section = (along / 3.0).astype(np.intp)
+    radius = 1.0 + section
+    stem = np.column_stack([radius * np.cos(angle), radius * np.sin(angle), along])
+    turned = Rotation.from_euler("xyz", [20.0, 50.0, -30.0], degrees=True).apply(stem)
+    widths = section_widths(turned + 7.0, along, section)
+    np.testing.assert_allclose(widths, [2.0, 4.0, 6.0], rtol=0.02)
