@@ -17,6 +17,9 @@ Points = NDArray[np.floating]
 NEIGHBORS = 10  # enough to include the next segment for points at the border of a segment
 NEIGHBORS_FOR_RADIUS = 8  # the radius of a neighbourhood is the distance to the 8th neighbour
 OUTLIER_RATIO = 10.0  # radius of the neighbourhood of an outlier : median radius
+# Least spacing : that radius. The spacing of real scans, which are even, is 0.47 to 0.51 of it, and
+# 0.4 where every second point is left out at random; points at random have 0.3.
+EVEN_RATIO = 0.45
 BLOCK_SIZE = 4_000  # points that are processed together
 LEAF_SIZE = 16  # of KD-trees; with 10, as by default, queries of ten neighbours take 8 % longer
 
@@ -34,12 +37,22 @@ class Neighbors:
         return float(np.median(self.distances[:, 0])) if self.distances.size else 0.0
 
     @property
-    def inliers(self) -> NDArray[np.bool_]:
-        """(N,) whether the 8th (or last) neighbour is at most ten times as far as in the median."""
+    def even_spacings(self) -> NDArray[np.float32]:
+        """(N,) spacing around points as if it were even; points at random have nearer ones."""
+        radii = self.radii
+        return np.maximum(EVEN_RATIO * radii, self.distances[:, 0]) if radii.any() else radii
+
+    @property
+    def radii(self) -> NDArray[np.float32]:
+        """(N,) distance to the 8th (or last) neighbour; 0 for a single point."""
         if not self.distances.size:
-            return np.ones(len(self.distances), bool)
-        radius = self.distances[:, :NEIGHBORS_FOR_RADIUS][:, -1]
-        return radius <= OUTLIER_RATIO * np.median(radius)
+            return np.zeros(len(self.distances), np.float32)
+        return self.distances[:, :NEIGHBORS_FOR_RADIUS][:, -1]
+
+    @property
+    def inliers(self) -> NDArray[np.bool_]:
+        """(N,) whether the neighbourhood is at most ten times as large as in the median."""
+        return self.radii <= OUTLIER_RATIO * np.median(self.radii)
 
     def first(self, k: int) -> "Neighbors":
         """The k nearest of these neighbours; they do not keep the others in memory."""
@@ -54,13 +67,8 @@ def nearest_neighbors(points: Points, k: int = NEIGHBORS, map: MapLike = map) ->
     Equivalent to ``cKDTree(points).query(points, k + 1)`` without each point itself. The points are
     queried along a Morton curve, which takes a third of the time for points in random order.
 
-    Parameters
-    ----------
-    points : (N, 3) float, N > 0
-    k : int
-        Number of neighbours, reduced to N - 1.
-    map : map-like callable
-        Maps over blocks of points, in threads.
+    points: (N, 3) float, N > 0. k: number of neighbours, reduced to N - 1. map: maps over blocks of
+    points, in threads.
     """
     from scipy.spatial import cKDTree
 

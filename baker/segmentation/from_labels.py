@@ -44,22 +44,11 @@ def labelled_hierarchies(
 ) -> list[Hierarchy]:
     """Build the hierarchy of each scan from the labels of its points (section 3.2.1 of the paper).
 
-    Parameters
-    ----------
-    clouds, labels, bases, neighbors : sequences
-        For each scan: (N, 3) points, (N,) labels, the point at the plant base, `Neighbors`.
-    consistent : bool
-        Whether an organ has the same label in all scans; they then have the same root.
-    same_parents : bool
-        Whether an organ with consistent labels has the same parent in all scans.
-    virtual_root : bool
-        Whether no label is the stem: all segments become children of an empty root.
-    map : map-like callable
-        Maps over the scans.
-
-    Returns
-    -------
-    list of Hierarchy
+    clouds, labels, bases, neighbors: for each scan (N, 3) points, (N,) labels, the point at the
+    plant base, `Neighbors`. consistent: whether an organ has the same label in all scans; they then
+    have the same root. same_parents: whether it has the same parent in all scans, too.
+    virtual_root: whether no label is the stem: all segments become children of an empty root.
+    map: maps over the scans.
     """
     if virtual_root:
         return [under_virtual_root(scan_labels) for scan_labels in labels]

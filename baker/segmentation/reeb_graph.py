@@ -21,13 +21,16 @@ from baker.geometry.sampling import voxel_downsample, voxel_size_for
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
 
+Floats = NDArray[np.floating]
+
 # docs/method.md, "Organs without labels".
 COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # most points to measure the stem, and to segment the plant
 VOXEL_SIZE = 0.2  # in stem diameters
 LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.35, 2.5  # in stem diameters; at least, in point spacings
 STEM_LENGTH = 6.0  # of the part of the stem that is measured, in its diameters
 MIN_POINTS, MIN_POINTS_OF_SECTION = 30, 6  # to measure the stem: of the sample, of a section
-FIRST_DIAMETER = 8.0  # point spacings, from which the fixed-point iteration starts
+# Diameter from which the fixed-point iteration starts, and the smallest one, in point spacings.
+FIRST_DIAMETER, MIN_DIAMETER = 8.0, 2.75
 MAX_ITERATIONS, MAX_CHANGE = 15, 0.02  # of that iteration; relative change at which it ends
 MAX_HOLE = 2.0  # length of a loop that is a hole in the scan, in stem diameters
 
@@ -41,7 +44,7 @@ class PlantSample:
     graph: "csr_matrix"  # (n, n) the connected kNN graph
     distance: NDArray[np.float64]  # (n,) geodesic distance from the plant base
     predecessor: NDArray[np.intp]  # (n,) previous point on the shortest path; -1 at the base
-    spacing: float  # point spacing of the sample
+    spacing: float  # point spacing of the sample, if it were even
     diameter: float  # of the stem; 0 if there are too few points
 
     @property
@@ -57,7 +60,7 @@ class ReebTree:
     node: NDArray[np.intp]  # (n,) the node of each point of the sample
     parent: list[int]  # of each node; -1 for the root, node 0
     children: list[list[int]]
-    width: NDArray[np.float64]  # (m,) width of each node's section
+    width: Floats  # (m,) width of each node's section
     tip_distance: NDArray[np.float64]  # (m,) from the start of each node to its farthest tip
 
     def subtree_sums(self, values: NDArray[np.number | np.bool_]) -> NDArray[np.float64]:
@@ -161,21 +164,23 @@ def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int) -> PlantS
         graph, directed=False, indices=nearest[base], return_predecessors=True
     )
     predecessor = np.maximum(before, -1).astype(np.intp)
-    diameter = _stem_diameter(points, graph, distance, neighbors.spacing)
-    return PlantSample(points, nearest, graph, distance, predecessor, neighbors.spacing, diameter)
+    spacing = float(np.median(neighbors.even_spacings))
+    diameter = _stem_diameter(points, graph, distance, neighbors.even_spacings)
+    return PlantSample(points, nearest, graph, distance, predecessor, spacing, diameter)
 
 
 def _stem_diameter(
-    points: NDArray[np.float64], graph: "csr_matrix", distance: NDArray[np.float64], spacing: float
+    points: Floats, graph: "csr_matrix", distance: Floats, spacings: Floats
 ) -> float:
     """Median width of the sections up to six diameters above the base, by fixed-point iteration.
 
-    It is 0 if there are too few points.
+    It is 0 if there are too few points. spacings: (n,) point spacing around each point.
     """
-    if spacing == 0.0 or len(points) < MIN_POINTS:
+    diameter = FIRST_DIAMETER * float(np.median(spacings))
+    if diameter == 0.0 or len(points) < MIN_POINTS:
         return 0.0
-    diameter = FIRST_DIAMETER * spacing
     for _ in range(MAX_ITERATIONS):
+        spacing = float(np.median(spacings[distance <= STEM_LENGTH * diameter]))
         thickness = max(LEVEL_THICKNESS * diameter, MIN_LEVEL_THICKNESS * spacing)
         level = np.floor((distance - 0.5 * diameter) / thickness).astype(np.intp)
         last = np.ceil((STEM_LENGTH - 0.5) * diameter / thickness) - 1
@@ -188,21 +193,20 @@ def _stem_diameter(
         number = np.repeat(np.arange(len(sections)), weights)
         widths = section_widths(points[chosen], distance[chosen], number)
         diameter = float(np.quantile(widths, 0.5, weights=weights, method="inverted_cdf"))
+        diameter = max(diameter, MIN_DIAMETER * spacing)
         if abs(diameter - previous) < MAX_CHANGE * previous:
             break
     return diameter
 
 
-def section_widths(
-    points: NDArray[np.float64], distance: NDArray[np.float64], section: NDArray[np.intp]
-) -> NDArray[np.float64]:
+def section_widths(points: Floats, distance: Floats, section: NDArray[np.intp]) -> Floats:
     """(m,) root mean square diameters of sections, perpendicular to the gradient of the distance.
 
     points, distance, section: (n, 3), (n,) and (n,) number of the section of each point, from 0.
     """
     count = np.bincount(section)[:, None]
 
-    def sums(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def sums(values: Floats) -> Floats:
         return np.stack([np.bincount(section, column) for column in values.T], axis=1)
 
     centered = points - (sums(points) / count)[section]

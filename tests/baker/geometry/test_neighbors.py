@@ -143,3 +143,18 @@ def test_threads_find_the_same_neighbors() -> None:
         parallel = nearest_neighbors(points, map=threads)
     np.testing.assert_array_equal(parallel.indices, serial.indices)
     np.testing.assert_array_equal(parallel.distances, serial.distances)
+
+
+def test_points_at_random_have_about_the_even_spacing_of_a_grid():
+    x, y = np.meshgrid(np.arange(40.0), np.arange(40.0))
+    grid = nearest_neighbors(np.column_stack([x.ravel(), y.ravel(), np.zeros(1600)]))
+    scattered = nearest_neighbors(sheet(1600) * 40.0)
+    assert np.median(grid.even_spacings) == grid.spacing == 1.0
+    assert scattered.spacing < 0.55
+    assert np.median(scattered.even_spacings) == pytest.approx(0.72, rel=0.05)
+
+
+def test_a_single_point_has_no_spacing():
+    alone = nearest_neighbors(np.ones((1, 3)))
+    assert alone.even_spacings.tolist() == [alone.spacing] == [0.0]
+    assert alone.inliers.all()

@@ -51,6 +51,15 @@ def test_the_density_does_not_matter(density):
     assert mean_overlap(truth, found) > 0.85
 
 
+@pytest.mark.parametrize("density", [3.0, 6.0, 12.0])
+def test_sparse_points_at_random_do_not_make_more_organs(density):
+    """At the lowest density, a stem has nine points on a length of its diameter."""
+    plants = [(blades, seed) for blades in (2, 3, 5) for seed in range(8)]
+    found = [organs(seedling(blades, density=density, seed=seed)[0]) for blades, seed in plants]
+    right = [len(np.unique(o)) == blades + 1 for o, (blades, _) in zip(found, plants, strict=True)]
+    assert np.mean(right) > 0.75
+
+
 def test_an_uneven_density_does_not_matter():
     points, truth = seedling(density=100.0)
     rng = np.random.default_rng(2)

@@ -68,8 +68,8 @@ def test_leaves_that_touch_stay_two():
     branch = np.zeros(len(tree.parent), int)
     for node, parent in enumerate(tree.parent):
         beside = tree.children[parent] if parent >= 0 else []
-        above = node in beside and all(tree.tip_distance[beside] > 4) and len(beside) > 1
-        branch[node] = node if above else branch[max(parent, 0)]
+        arms = [child for child in beside if tree.tip_distance[child] > 4]
+        branch[node] = node if node in arms and len(arms) > 1 else branch[max(parent, 0)]
     high = (sample.points[:, 2] > 10) & (sample.points[:, 2] < 15)
     left, right = (branch[tree.node][high & (s * sample.points[:, 0] > 0)] for s in (-1, 1))
     values = np.unique(left)
