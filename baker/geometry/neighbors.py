@@ -19,7 +19,7 @@ NEIGHBORS_FOR_RADIUS = 8  # the radius of a neighbourhood is the distance to the
 OUTLIER_RATIO = 10.0  # radius of the neighbourhood of an outlier : median radius
 # Least spacing : that radius. The spacing of real scans, which are even, is 0.47 to 0.51 of it, and
 # 0.4 where every second point is left out at random; points at random have 0.3.
-EVEN_RATIO = 0.45
+EVEN_RATIO = 0.43
 BLOCK_SIZE = 4_000  # points that are processed together
 LEAF_SIZE = 16  # of KD-trees; with 10, as by default, queries of ten neighbours take 8 % longer
 
@@ -39,15 +39,13 @@ class Neighbors:
     @property
     def even_spacings(self) -> NDArray[np.float32]:
         """(N,) spacing around points as if it were even; points at random have nearer ones."""
-        radii = self.radii
-        return np.maximum(EVEN_RATIO * radii, self.distances[:, 0]) if radii.any() else radii
+        nearest = self.distances[:, :1].max(axis=1, initial=0.0)
+        return np.maximum(EVEN_RATIO * self.radii, nearest)
 
     @property
     def radii(self) -> NDArray[np.float32]:
         """(N,) distance to the 8th (or last) neighbour; 0 for a single point."""
-        if not self.distances.size:
-            return np.zeros(len(self.distances), np.float32)
-        return self.distances[:, :NEIGHBORS_FOR_RADIUS][:, -1]
+        return self.distances[:, :NEIGHBORS_FOR_RADIUS].max(axis=1, initial=0.0)
 
     @property
     def inliers(self) -> NDArray[np.bool_]:

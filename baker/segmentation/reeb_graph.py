@@ -29,8 +29,8 @@ VOXEL_SIZE = 0.2  # in stem diameters
 LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.35, 2.5  # in stem diameters; at least, in point spacings
 STEM_LENGTH = 6.0  # of the part of the stem that is measured, in its diameters
 MIN_POINTS, MIN_POINTS_OF_SECTION = 30, 6  # to measure the stem: of the sample, of a section
-# Diameter from which the fixed-point iteration starts, and the smallest one, in point spacings.
-FIRST_DIAMETER, MIN_DIAMETER = 8.0, 2.75
+FIRST_DIAMETER, MIN_DIAMETER = 8.0, 2.75  # of the fixed-point iteration, in point spacings
+SHIFTS = 0.0, 0.25, 0.5, 0.75  # of the sections, in thicknesses, over which it averages
 MAX_ITERATIONS, MAX_CHANGE = 15, 0.02  # of that iteration; relative change at which it ends
 MAX_HOLE = 2.0  # length of a loop that is a hole in the scan, in stem diameters
 
@@ -182,11 +182,13 @@ def _stem_diameter(
     for _ in range(MAX_ITERATIONS):
         spacing = float(np.median(spacings[distance <= STEM_LENGTH * diameter]))
         thickness = max(LEVEL_THICKNESS * diameter, MIN_LEVEL_THICKNESS * spacing)
-        level = np.floor((distance - 0.5 * diameter) / thickness).astype(np.intp)
         last = np.ceil((STEM_LENGTH - 0.5) * diameter / thickness) - 1
-        stem = np.flatnonzero((level >= 0) & (level <= last))
-        components = _level_components(graph[stem][:, stem], level[stem])
-        sections = [stem[c] for c in components if len(c) >= MIN_POINTS_OF_SECTION]
+        sections = list[NDArray[np.intp]]()
+        for shift in SHIFTS:
+            level = np.floor((distance - 0.5 * diameter) / thickness - shift).astype(np.intp)
+            stem = np.flatnonzero((level >= 0) & (level <= last))
+            components = _level_components(graph[stem][:, stem], level[stem])
+            sections += [stem[c] for c in components if len(c) >= MIN_POINTS_OF_SECTION]
         if not sections:
             return 0.0
         weights, chosen, previous = [*map(len, sections)], np.concatenate(sections), diameter
