@@ -17,8 +17,8 @@ Points = NDArray[np.floating]
 NEIGHBORS = 10  # enough to include the next segment for points at the border of a segment
 NEIGHBORS_FOR_RADIUS = 8  # the radius of a neighbourhood is the distance to the 8th neighbour
 OUTLIER_RATIO = 10.0  # radius of the neighbourhood of an outlier : median radius
-# Least spacing : that radius. The spacing of real scans, which are even, is 0.47 to 0.51 of it, and
-# 0.4 where every second point is left out at random; points at random have 0.3.
+# Least even spacing : that radius. The distance to the nearest neighbour is 0.47 to 0.51 of it in
+# real scans, 0.4 if half of their points are left out at random, and 0.3 if all are at random.
 EVEN_RATIO = 0.43
 BLOCK_SIZE = 4_000  # points that are processed together
 LEAF_SIZE = 16  # of KD-trees; with 10, as by default, queries of ten neighbours take 8 % longer
@@ -38,9 +38,8 @@ class Neighbors:
 
     @property
     def even_spacings(self) -> NDArray[np.float32]:
-        """(N,) spacing around points as if it were even; points at random have nearer ones."""
-        nearest = self.distances[:, :1].max(axis=1, initial=0.0)
-        return np.maximum(EVEN_RATIO * self.radii, nearest)
+        """(N,) distance to the nearest neighbour, or more where the density of points tells so."""
+        return np.maximum(EVEN_RATIO * self.radii, self.distances[:, :1].max(axis=1, initial=0.0))
 
     @property
     def radii(self) -> NDArray[np.float32]:

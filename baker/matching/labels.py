@@ -130,11 +130,11 @@ def with_tracked_labels(
     root_points: Sequence[int],
     corrections: Sequence[PointCorrection] = (),
 ) -> LabelUse:
-    """Make labels consistent by tracking the organs; parameters: see `track_organs`.
+    """Make labels consistent by tracking the organs; other parameters: see `track_organs`.
 
-    Returns the track number of every point; parts of an organ that only one scan divides are
-    merged. If labels are consistent and only missing in some scans, an organ in such a scan gets
-    the label of its track in the nearest scan with labels.
+    Returns `use` with the track number of every point; parts of an organ that only one scan
+    divides are merged. If labels are consistent and only missing in some scans, an organ in such a
+    scan gets the label of its track in the nearest scan with labels.
     """
     unlabelled = not use.available
     tracks = track_organs(clouds, hierarchies, root_points, unlabelled, corrections)

@@ -30,7 +30,7 @@ LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.35, 2.5  # in stem diameters; at least,
 STEM_LENGTH = 6.0  # of the part of the stem that is measured, in its diameters
 MIN_POINTS, MIN_POINTS_OF_SECTION = 30, 6  # to measure the stem: of the sample, of a section
 FIRST_DIAMETER, MIN_DIAMETER = 8.0, 2.75  # of the fixed-point iteration, in point spacings
-SHIFTS = 0.0, 0.25, 0.5, 0.75  # of the sections, in thicknesses, over which it averages
+SHIFTS = 0.0, 0.25, 0.5, 0.75  # of the sets of sections that it measures, in their thicknesses
 MAX_ITERATIONS, MAX_CHANGE = 15, 0.02  # of that iteration; relative change at which it ends
 MAX_HOLE = 2.0  # length of a loop that is a hole in the scan, in stem diameters
 
@@ -44,7 +44,7 @@ class PlantSample:
     graph: "csr_matrix"  # (n, n) the connected kNN graph
     distance: NDArray[np.float64]  # (n,) geodesic distance from the plant base
     predecessor: NDArray[np.intp]  # (n,) previous point on the shortest path; -1 at the base
-    spacing: float  # point spacing of the sample, if it were even
+    spacing: float  # median even spacing of the sample's points
     diameter: float  # of the stem; 0 if there are too few points
 
     @property
@@ -164,8 +164,9 @@ def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int) -> PlantS
         graph, directed=False, indices=nearest[base], return_predecessors=True
     )
     predecessor = np.maximum(before, -1).astype(np.intp)
-    spacing = float(np.median(neighbors.even_spacings))
-    diameter = _stem_diameter(points, graph, distance, neighbors.even_spacings)
+    spacings = neighbors.even_spacings
+    diameter = _stem_diameter(points, graph, distance, spacings)
+    spacing = float(np.median(spacings))
     return PlantSample(points, nearest, graph, distance, predecessor, spacing, diameter)
 
 
