@@ -232,7 +232,7 @@ def _segment(
     if not is_complete:
         pairs = zip(labels.labels, map(candidate_organs, clouds, bases), strict=True)
         candidates = [by_shape if known is None else [known] for known, by_shape in pairs]
-        organs = choose_segmentations(clouds, bases, candidates, stem=not organs, map=map)
+        organs = choose_segmentations(clouds, bases, candidates, map=map)
     organs = with_corrected_organs(organs, aligned, corrections)
     labels = labels.with_available(organs)
     if not is_complete or not (labels.consistent or options.paper):

@@ -1,6 +1,6 @@
-"""The connected kNN graph of a point cloud, its geodesics and merge trees."""
+"""The connected kNN graph of a point cloud, its geodesics and merge trees; chains and paths."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -219,3 +219,20 @@ def _shortest_bridges(
     lengths = np.linalg.norm(np.subtract(*points[edges].astype(np.float64)), axis=1)
     weights = np.maximum(lengths, MIN_LENGTH)
     return coo_matrix((weights, tuple(edges)), (count, count)).tocsr()
+
+
+def best_path(scores: Iterable[NDArray[np.float64]]) -> list[int]:
+    """The candidates of largest total score, one for each step (Viterbi 1967).
+
+    scores: for each two successive steps the (n, m) scores of their pairs of candidates. Of equal
+    paths, the one with the first candidates is chosen.
+    """
+    total, best_before = np.zeros(1), []
+    for pairs in scores:
+        totals = total[:, None] + pairs
+        best_before.append(totals.argmax(axis=0))
+        total = totals.max(axis=0)
+    path = [int(total.argmax())]
+    for best in reversed(best_before):
+        path.append(int(best[path[-1]]))
+    return path[::-1]

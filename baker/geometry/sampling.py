@@ -56,17 +56,9 @@ def voxel_downsample(points: NDArray[np.float64], size: float) -> NDArray[np.int
 
 
 def voxel_size_for(points: NDArray[np.float64], count: int) -> float:
-    """The smallest voxel size for which at most `count` voxels contain points.
+    """The smallest voxel size for which at most `count` voxels contain points, within 2 %.
 
-    Parameters
-    ----------
-    points : (N, 3) float64
-    count : int
-
-    Returns
-    -------
-    float
-        Edge length of a voxel in the unit of the points, within 2 %.
+    points: (N, 3). The size is in their unit, and 0 if there are no more than `count` points.
     """
     if len(points) <= count:
         return 0.0

@@ -22,8 +22,8 @@ class OrganDescriptors:
     attachments: NDArray[np.float64]  # (n, 3) attachment points; of the root, the plant base
     sizes: NDArray[np.float64]  # (n,) root mean square distances from the attachment points
     directions: NDArray[np.float64]  # (n, 3) unit vectors from there to the centroids
-    order: NDArray[np.float64]  # (n,) number of organs attached below; 0 without a stem
-    height: NDArray[np.float64]  # (n,) relative distance from the plant base; 0 without a stem
+    order: NDArray[np.float64]  # (n,) number of organs attached below
+    height: NDArray[np.float64]  # (n,) relative distance from the plant base
     base: NDArray[np.float64]  # (3,) plant base
 
     def __len__(self) -> int:
@@ -54,8 +54,8 @@ class OrganDescriptors:
         return replace(self, directions=lateral / np.maximum(length, np.finfo(float).tiny))
 
     def largest(self, count: int) -> "OrganDescriptors":
-        """The `count` largest organs, in the order of this object."""
-        kept = np.sort(np.argsort(-self.sizes, kind="stable")[:count])
+        """The `count` largest organs, the largest first."""
+        kept = np.argsort(-self.sizes, kind="stable")[:count]
         arrays = ("attachments", "sizes", "directions", "order", "height")
         return replace(
             self,
@@ -65,12 +65,11 @@ class OrganDescriptors:
 
 
 def describe_organs(
-    cloud: NDArray[np.floating], hierarchy: Hierarchy, root_point: int, stem: bool = False
+    cloud: NDArray[np.floating], hierarchy: Hierarchy, root_point: int
 ) -> OrganDescriptors:
     """Describe the organs of a scan, which are the segments that have points.
 
-    cloud: (N, 3) points. root_point: index of the point at the plant base. stem: whether the organ
-    at the plant base is known to be the stem of all others.
+    cloud: (N, 3) points. root_point: index of the point at the plant base.
     """
     members, root, parents = _organs(hierarchy, root_point)
     steps = [-(-len(segment) // SAMPLE_SIZE) for segment in members]
@@ -87,16 +86,14 @@ def describe_organs(
     mean = np.array([offset.mean(axis=0) for offset in offsets])
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     distance = np.linalg.norm(attachments - base, axis=1)
-    count = len(members)
     softness = ORDER_SOFTNESS * float(np.sqrt((sizes**2).mean()))
-    is_stem = stem or _is_stem(root, parents)
     return OrganDescriptors(
         samples=samples,
         attachments=attachments,
         sizes=sizes,
         directions=np.divide(mean, length, out=np.zeros_like(mean), where=length > 0),
-        order=_order_along_stem(distance, root, softness) if is_stem else np.zeros(count),
-        height=distance / max(distance.max(), np.finfo(float).tiny) if is_stem else np.zeros(count),
+        order=_order_along_stem(distance, root, softness),
+        height=distance / max(distance.max(), np.finfo(float).tiny),
         base=base,
     )
 
@@ -121,14 +118,6 @@ def _attachment(sample: NDArray[np.float64], parent: NDArray[np.float64]) -> NDA
     distances = cKDTree(parent).query(sample)[0]
     nearest = np.argsort(distances, kind="stable")[:ATTACHMENT_POINTS]
     return np.asarray(sample[nearest].mean(axis=0))
-
-
-def _is_stem(root: int, parents: list[int]) -> bool:
-    """Whether the root seems to be a stem, and not one of several overlapping leaves."""
-    children = np.bincount([p for p in parents if p != NO_PARENT], minlength=len(parents))
-    highest = np.delete(children, root).max(initial=0)
-    has_one_parent = (children > 0).sum() <= 1
-    return bool(has_one_parent or children[root] > highest or highest > 0.5 * (len(parents) - 1))
 
 
 def _order_along_stem(

@@ -137,7 +137,7 @@ def with_tracked_labels(
     scan gets the label of its track in the nearest scan with labels.
     """
     unlabelled = not use.available
-    tracks = track_organs(clouds, hierarchies, root_points, unlabelled, corrections)
+    tracks = track_organs(clouds, hierarchies, root_points, corrections)
     if use.consistent:
         return replace(use, labels=tuple(_complete_labels(use.labels, tracks)))
     if not unlabelled:
@@ -148,7 +148,7 @@ def with_tracked_labels(
         if any(map(np.any, map(np.not_equal, merged, tracks))):
             # A part may have been linked to another organ of the next scan.
             hierarchies = coarse_hierarchies(clouds, merged, root_points)
-            tracks = track_organs(clouds, hierarchies, root_points, corrections=corrections)
+            tracks = track_organs(clouds, hierarchies, root_points, corrections)
     return replace(use, labels=tuple(tracks), consistent=True, renamed=True, unlabelled=unlabelled)
 
 

@@ -6,55 +6,62 @@ together, so the directions of two of them determine the rotation.
 """
 
 from collections.abc import Iterable, Sequence
-from itertools import accumulate, combinations, pairwise, permutations, starmap
+from itertools import combinations, count, permutations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.graph import best_path
+from baker.geometry.parallel import MapLike
 from baker.matching.descriptors import OrganDescriptors
 from baker.matching.score import best_pairs, match_rewards, match_scores, shape_penalties
 
 Floats = NDArray[np.float64]
 
 # docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ.
-ROTATION_PENALTY, ANGLE_PENALTY = 0.1, 0.3  # of any rotation, and per radian
+ROTATION_PENALTY, ANGLE_PENALTY = 0.05, 0.2  # of any rotation, and per radian
+INDIRECT_WEIGHT = 0.3  # of the score of scans two apart
 MAX_ORGANS = 16  # number of the largest organs of each scan, by whose scores a rotation is chosen
 ORGANS_IN_PAIRS = 7  # number of the largest organs, of which each pair determines a rotation
 MIN_SINE = 0.25  # of the angle between the directions of such a pair
 MAX_ANGLE_CHANGE = 0.5  # of that angle between the scans, in radians
-MAX_CANDIDATES = 8  # number of rotations for which organs are matched
+MAX_CANDIDATES = 6  # number of rotations for which organs are matched
 MIN_DIFFERENCE = 0.2  # between these rotations, in radians
 
 
-def plant_motions(organs: Sequence[OrganDescriptors], span: int) -> dict[tuple[int, int], Floats]:
-    """(4, 4) motions of a plant from each scan to the `span` following ones, composed of steps."""
-    steps = list(starmap(plant_motion, pairwise(organs)))
-    return {
-        (k, later): motion
-        for k in range(len(organs))
-        for later, motion in enumerate(
-            accumulate(steps[k : k + span], lambda total, step: step @ total), start=k + 1
-        )
-    }
-
-
-def plant_motion(first: OrganDescriptors, second: OrganDescriptors) -> Floats:
-    """(4, 4) rigid motion of a plant from the first scan to the second.
+def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> list[Floats]:
+    """(4, 4) rigid motions of a plant from each scan to the next one.
 
     Candidates are no motion, and motions that register the plant bases and the directions from
-    there to two organs. The one with the largest total score of matched organs is chosen. Rotations
-    are penalised, since a plant may look alike from several sides.
+    there to two organs. Those with the largest total score of matched organs are chosen, with that
+    of scans two apart, which two motions in turn register, at a lower weight. Rotations are
+    penalised, since a plant may look alike from several sides.
     """
-    first, second = first.largest(MAX_ORGANS), second.largest(MAX_ORGANS)
-    best, best_score = np.eye(4), _total_score(first, second)
+    organs = [scan.largest(MAX_ORGANS) for scan in organs]
+    likely = list(map(_likely_motions, organs, organs[1:]))
+
+    def pair_scores(first: OrganDescriptors, third: OrganDescriptors, k: int) -> Floats:
+        (before, _), (after, scores) = likely[k - 1], likely[k]  # motions before and after scan k
+        indirect = [[_score(first.transformed(b @ a), third) for b in after] for a in before]
+        return np.asarray(INDIRECT_WEIGHT * np.array(indirect) + scores)
+
+    pairs = map(pair_scores, organs, organs[2:], count(1))
+    path = best_path([*(scores[None] for _, scores in likely[:1]), *pairs])
+    return [motions[k] for (motions, _), k in zip(likely, path[1:], strict=True)]
+
+
+def _likely_motions(
+    first: OrganDescriptors, second: OrganDescriptors
+) -> tuple[list[Floats], Floats]:
+    """No motion, the candidates, (4, 4) each, and the scores of all of them."""
+    motions, scores = [np.eye(4)], [_score(first, second, neighbors=True)]
     for rotation in _candidates(first, second):
         motion = np.eye(4)
         motion[:3, :3], motion[:3, 3] = rotation, second.base - rotation @ first.base
-        penalty = float(_penalty(rotation)) * min(len(first), len(second))
-        score = _total_score(first.transformed(motion), second) - penalty
-        if score > best_score:
-            best, best_score = motion, score
-    return best
+        score = _score(first.transformed(motion), second, neighbors=True)
+        motions.append(motion)
+        scores.append(score - float(_penalty(rotation)))
+    return motions, np.array(scores)
 
 
 def _penalty(rotations: Floats) -> Floats:
@@ -63,18 +70,24 @@ def _penalty(rotations: Floats) -> Floats:
     return np.asarray(ROTATION_PENALTY + ANGLE_PENALTY * np.arccos(np.clip(cosine, -1.0, 1.0)))
 
 
-def _total_score(first: OrganDescriptors, second: OrganDescriptors) -> float:
-    """The total score of the best matching, with or without organs moved like their neighbours."""
+def _score(first: OrganDescriptors, second: OrganDescriptors, neighbors: bool = False) -> float:
+    """The score of the best matching, for each organ of the scan with fewer.
+
+    neighbors: whether organs may be moved like their neighbours, if that scores better.
+    """
     pairs, total = best_pairs(match_scores(first, second))
-    return max(total, best_pairs(match_scores(first, second, pairs))[1])
+    if neighbors:
+        total = max(total, best_pairs(match_scores(first, second, pairs))[1])
+    return total / min(len(first), len(second))
 
 
 def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Floats]:
-    """(3, 3) rotations by which the organs come nearest to those of the second scan."""
+    """(3, 3) rotations by which the organs, sorted by size, come nearest to those of the second."""
     sides = first, second
     offsets = [np.array([s.mean(axis=0) for s in side.samples]) - side.base for side in sides]
-    source, angle = _frames(offsets[0], combinations(_largest(first), 2))
-    target, target_angle = _frames(offsets[1], permutations(_largest(second), 2))
+    largest = [range(len(side))[:ORGANS_IN_PAIRS] for side in sides]
+    source, angle = _frames(offsets[0], combinations(largest[0], 2))
+    target, target_angle = _frames(offsets[1], permutations(largest[1], 2))
     i, j = np.nonzero(np.abs(angle[:, None] - target_angle) < MAX_ANGLE_CHANGE)
     rotations = target[j] @ source[i].transpose(0, 2, 1)
     # Both plants are compared in the geometric mean of their sizes.
@@ -97,11 +110,6 @@ def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Float
         if len(chosen) == MAX_CANDIDATES:
             break
     return chosen
-
-
-def _largest(organs: OrganDescriptors) -> NDArray[np.intp]:
-    """Indices of the `ORGANS_IN_PAIRS` largest organs."""
-    return np.argsort(-organs.sizes, kind="stable")[:ORGANS_IN_PAIRS]
 
 
 def _frames(offsets: Floats, pairs: Iterable[tuple[int, int]]) -> tuple[Floats, Floats]:

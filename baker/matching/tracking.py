@@ -34,26 +34,25 @@ def track_organs(
     clouds: Sequence[NDArray[np.floating]],
     hierarchies: Sequence[Hierarchy],
     root_points: Sequence[int],
-    stem: bool = False,
     corrections: Sequence[PointCorrection] = (),
 ) -> list[NDArray[np.int64]]:
     """Track the organs of a series by their shapes.
 
     clouds, root_points: (N, 3) aligned points of each scan, and the index of the point at the plant
-    base. hierarchies: only a virtual root, the last segment, has no points. stem: whether the organ
-    at the plant base is known to be the stem of all others. corrections: those of kind "same"
-    between successive scans, and of kind "different", are constraints.
+    base. hierarchies: only a virtual root, the last segment, has no points. corrections: those of
+    kind "same" between successive scans, and of kind "different", are constraints.
 
     Returns the (N,) track number of each point. Tracks are numbered by first appearance, those that
     appear in the same scan by their distance from the plant base.
     """
-    scans = zip(clouds, hierarchies, root_points, strict=True)
-    organs = [describe_organs(*scan, stem=stem) for scan in scans]
+    organs = [*map(describe_organs, clouds, hierarchies, root_points)]
     organ_of = [hierarchy.numbers() for hierarchy in hierarchies]  # of each point
     distances = [np.linalg.norm(scan.attachments - scan.base, axis=1) for scan in organs]
-    motions = plant_motions(organs, MAX_GAP)
+    moved, motions = {}, plant_motions(organs)
     organs = [scan.about_stem() for scan in organs]
-    moved = {(k, later): organs[k].transformed(motions[k, later]) for k, later in motions}
+    for k, scan in enumerate(organs):
+        for later, motion in enumerate(motions[k : k + MAX_GAP], start=k + 1):
+            moved[k, later] = scan = scan.transformed(motion)
     numbers = [np.arange(0)] * len(organs)
     for _ in range(ROUNDS):
         own = {

@@ -19,16 +19,16 @@ MIN_SIZE = 1e-3  # relative size, so that growth is finite
 
 
 def doubtful_identities(
-    job: IntervalJob, names: Sequence[str], confirmed: Collection[int | None], stem: bool
+    job: IntervalJob, names: Sequence[str], confirmed: Collection[int | None]
 ) -> Iterator[Doubt]:
     """Yield doubts about the matches and losses of large organs in an interval.
 
     names: of the organs, by track id. confirmed: labels in the first scan of the organs that are
-    not in doubt. stem: whether the organ at the plant base is known to be the stem.
+    not in doubt.
     """
     first, second = job.match.first, job.match.second
-    organs, share, size = _describe(first, job.start.positions, job.bases[0], stem)
-    end_organs, end_share, end_size = _describe(second, job.end.positions, job.bases[1], stem)
+    organs, share, size = _describe(first, job.start.positions, job.bases[0])
+    end_organs, end_share, end_size = _describe(second, job.end.positions, job.bases[1])
     starts, ends = np.flatnonzero(share).tolist(), np.flatnonzero(end_share).tolist()
     pairs = [(a, b) for a, b in job.match.pairs if a in starts and b in ends]
     matched = [(starts.index(a), ends.index(b)) for a, b in pairs]
@@ -63,7 +63,7 @@ def doubtful_identities(
 
 
 def _describe(
-    hierarchy: Hierarchy, cloud: NDArray[np.floating], base: NDArray[np.floating], stem: bool
+    hierarchy: Hierarchy, cloud: NDArray[np.floating], base: NDArray[np.floating]
 ) -> tuple[OrganDescriptors, NDArray[np.float64], NDArray[np.float64]]:
     """Describe the organs of a scan, the segments that have points.
 
@@ -71,7 +71,7 @@ def _describe(
     square of all sizes; both are 0 for segments without points.
     """
     root_point = int(((cloud - base) ** 2).sum(axis=1).argmin())
-    organs = describe_organs(cloud, hierarchy, root_point, stem=stem).about_stem()
+    organs = describe_organs(cloud, hierarchy, root_point).about_stem()
     share = np.array(list(map(len, hierarchy.segments))) / len(cloud)
     size, mean = np.zeros(len(share)), float(np.sqrt((organs.sizes**2).mean()))
     size[share > 0] = np.maximum(organs.sizes / (mean or 1.0), MIN_SIZE)

@@ -41,7 +41,7 @@ def judge_clip(
         doubts = [*doubtful_motions(clip.intervals[index], job.attachments, names)]
         if not labels.are_names:
             confirmed_labels = {label for interval, label in confirmed if interval == index}
-            doubts += doubtful_identities(job, names, confirmed_labels, labels.unlabelled)
+            doubts += doubtful_identities(job, names, confirmed_labels)
         return doubts
 
     doubts = [*chain.from_iterable(map(doubts_in, range(len(jobs)), jobs))]

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from baker.matching.descriptors import OrganDescriptors, describe_organs
-from baker.matching.plant_motion import plant_motion, plant_motions
+from baker.matching.plant_motion import plant_motions
 from baker.matching.tracking import track_organs
 from baker.segmentation.from_labels import hierarchy_from_labels
 
@@ -40,7 +40,8 @@ def test_a_plant_that_leans_is_rotated(leaves: int, growth: float) -> None:
     first, labels = spiral(leaves)
     second, later = spiral(leaves, growth, seed=1)
     base = np.array([3.0, -2.0, 1.0])
-    motion = plant_motion(described(first, labels), described(LEAN.apply(second) + base, later))
+    organs = described(first, labels), described(LEAN.apply(second) + base, later)
+    (motion,) = plant_motions(organs)
     rest = Rotation.from_matrix(motion[:3, :3]) * LEAN.inv()
     assert np.degrees(rest.magnitude()) < 20.0
     np.testing.assert_allclose(motion[:3, :3] @ motion[:3, :3].T, np.eye(3), atol=1e-9)
@@ -51,7 +52,7 @@ def test_a_plant_that_leans_is_rotated(leaves: int, growth: float) -> None:
 @pytest.mark.parametrize("growth", [0.7, 1.0, 1.4])
 def test_a_plant_that_only_grows_is_not_rotated(growth: float) -> None:
     first, second = described(*spiral(5)), described(*spiral(5, growth, seed=1))
-    np.testing.assert_array_equal(plant_motion(first, second), np.eye(4))
+    np.testing.assert_array_equal(plant_motions([first, second]), [np.eye(4)])
 
 
 def test_leaves_in_two_rows_are_not_taken_for_each_other() -> None:
@@ -62,30 +63,30 @@ def test_leaves_in_two_rows_are_not_taken_for_each_other() -> None:
     points = np.concatenate([points, other])
     labels = np.concatenate([labels, np.full(len(other), 2)])
     again = points + np.random.default_rng(1).normal(0, 0.1, points.shape)
-    np.testing.assert_array_equal(
-        plant_motion(described(points, labels), described(again, labels)), np.eye(4)
-    )
+    organs = described(points, labels), described(again, labels)
+    np.testing.assert_array_equal(plant_motions(organs), [np.eye(4)])
 
 
 @pytest.mark.parametrize("leaves", [0, 1])
 def test_too_few_organs_determine_no_rotation(leaves: int) -> None:
     alone, plant = described(*spiral(leaves)), described(*spiral(4, seed=1))
-    np.testing.assert_array_equal(plant_motion(alone, alone), np.eye(4))
-    assert plant_motion(alone, plant).shape == plant_motion(plant, alone).shape == (4, 4)
+    np.testing.assert_array_equal(plant_motions([alone, alone]), [np.eye(4)])
+    assert np.shape(plant_motions([alone, plant, alone])) == (2, 4, 4)
+    assert plant_motions([plant]) == []
 
 
-def test_motions_over_several_scans_are_composed() -> None:
+def test_motions_of_successive_intervals_compose() -> None:
     leans = [Rotation.identity(), LEAN, Rotation.from_euler("zy", [80, 40], degrees=True) * LEAN]
     scans = [spiral(5, 1.1**k, seed=k) for k in range(3)]
     organs = [
         described(lean.apply(points) + k, labels)
         for k, (lean, (points, labels)) in enumerate(zip(leans, scans, strict=True))
     ]
-    motions = plant_motions(organs, 2)
-    assert motions.keys() == {(0, 1), (0, 2), (1, 2)}
-    rest = Rotation.from_matrix(motions[0, 2][:3, :3]) * leans[2].inv()
+    first, second = plant_motions(organs)
+    total = second @ first
+    rest = Rotation.from_matrix(total[:3, :3]) * leans[2].inv()
     assert np.degrees(rest.magnitude()) < 30.0
-    np.testing.assert_allclose(motions[0, 2][:3, 3], 2.0, atol=1.0)
+    np.testing.assert_allclose(total[:3, 3], 2.0, atol=1.0)
 
 
 def test_organs_keep_their_tracks_in_a_plant_that_leans() -> None:

@@ -13,8 +13,8 @@ from tests.baker.segmentation.seedling import leaf_on_top, seedling
 UP = Vertical.named("z")
 
 
-def choose(clouds, candidates, stem=True):
-    return choose_segmentations(clouds, [base_point(c, UP) for c in clouds], candidates, stem)
+def choose(clouds, candidates):
+    return choose_segmentations(clouds, [base_point(c, UP) for c in clouds], candidates)
 
 
 def cut(labels: np.ndarray, cloud: np.ndarray) -> np.ndarray:
@@ -55,7 +55,7 @@ def test_a_stem_merged_with_a_blade_is_not_chosen_where_the_plant_leans():
 def test_of_equal_segmentations_the_first_is_chosen():
     cloud, truth = seedling(3)
     renumbered = truth + 7
-    chosen = choose([cloud, cloud], [[truth, renumbered], [renumbered, truth]], stem=False)
+    chosen = choose([cloud, cloud], [[truth, renumbered], [renumbered, truth]])
     assert np.array_equal(chosen[0], truth)
     assert np.array_equal(chosen[1], renumbered)
 
