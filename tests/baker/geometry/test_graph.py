@@ -3,6 +3,8 @@ branches are what rises above the points where it meets something else."""
 
 from __future__ import annotations
 
+from itertools import pairwise, product
+
 import numpy as np
 import pytest
 from scipy.sparse import coo_matrix
@@ -10,6 +12,7 @@ from scipy.sparse.csgraph import connected_components, dijkstra, minimum_spannin
 from scipy.spatial.distance import cdist
 
 from baker.geometry.graph import (
+    best_path,
     branches,
     connected_knn_graph,
     geodesic_distances,
@@ -134,3 +137,19 @@ def test_every_point_above_its_meeting_point_is_on_a_branch():
     peaks = np.flatnonzero((heights[1:-1] > heights[:-2]) & (heights[1:-1] > heights[2:])) + 1
     assert len(set(numbers[peaks])) == len(peaks)
     assert (numbers[peaks] >= 0).all()
+
+
+def test_the_best_path_has_the_largest_total_score():
+    rng = np.random.default_rng(4)
+    scores = [rng.random(shape) for shape in ((2, 3), (3, 2), (2, 4))]
+    paths = product(range(2), range(3), range(2), range(4))
+    total = {
+        path: sum(s[i, j] for s, (i, j) in zip(scores, pairwise(path), strict=True))
+        for path in paths
+    }
+    assert tuple(best_path(scores)) == max(total, key=total.__getitem__)
+
+
+def test_of_equal_paths_the_first_is_the_best():
+    assert best_path([np.ones((3, 2)), np.ones((2, 2))]) == [0, 0, 0]
+    assert best_path([]) == [0]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from baker.matching import plant_motion
 from baker.matching.descriptors import OrganDescriptors, describe_organs
 from baker.matching.plant_motion import plant_motions
 from baker.matching.tracking import track_organs
@@ -87,6 +88,17 @@ def test_motions_of_successive_intervals_compose() -> None:
     rest = Rotation.from_matrix(total[:3, :3]) * leans[2].inv()
     assert np.degrees(rest.magnitude()) < 30.0
     np.testing.assert_allclose(total[:3, 3], 2.0, atol=1.0)
+
+
+def test_scans_two_apart_tell_of_a_wrong_rotation(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Even if the scans of one interval fit slightly better with it."""
+    rotation = np.eye(4)
+    rotation[:3, :3] = LEAN.as_matrix()
+    intervals = ([np.eye(4), rotation], np.array([1.0, 1.05])), ([np.eye(4)], np.array([1.0]))
+    likely = iter(intervals)
+    monkeypatch.setattr(plant_motion, "_likely_motions", lambda first, second: next(likely))
+    organs = [described(*spiral(5, seed=k)) for k in range(3)]
+    np.testing.assert_array_equal(plant_motions(organs), [np.eye(4)] * 2)
 
 
 def test_organs_keep_their_tracks_in_a_plant_that_leans() -> None:
