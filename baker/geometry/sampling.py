@@ -10,7 +10,7 @@ SIZE_TOLERANCE = 1.02  # of the voxel size that `voxel_size_for` finds
 def farthest_point_sample(
     points: NDArray[np.float64], count: int, first: int | None = None
 ) -> NDArray[np.intp]:
-    """Choose points one after another, each the farthest from those chosen before.
+    """Choose points one after another, each the farthest from those before (Eldar et al. 1997).
 
     Parameters
     ----------
@@ -23,10 +23,6 @@ def farthest_point_sample(
     -------
     (n,) intp
         Indices of `count` points, or of all distinct points if there are fewer.
-
-    References
-    ----------
-    Eldar et al.: The farthest point strategy for progressive image sampling (1997).
     """
     x, y, z = (points - points.mean(axis=0)).T
     norms = x**2 + y**2 + z**2

@@ -11,6 +11,7 @@ SAMPLE_SIZE = 128  # number of points of an organ from which its descriptors are
 ATTACHMENT_POINTS = 5  # number of points nearest to the parent; their mean is the attachment point
 AXIAL_WEIGHT = 0.35  # of the component of directions along the stem, in `about_stem`
 ORDER_SOFTNESS = 0.025  # width of the step between "above" and "below", in organ sizes
+MIN_CARRIED = 0.4  # share of the other organs that grow from one organ, such as a stem
 ORDERED_ORGANS = 10  # number of organs; in larger plants, the order along the stem is scaled down
 
 
@@ -87,12 +88,15 @@ def describe_organs(
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     distance = np.linalg.norm(attachments - base, axis=1)
     softness = ORDER_SOFTNESS * float(np.sqrt((sizes**2).mean()))
+    # Without a stem that carries many organs, as where leaflets are organs, there is no order.
+    children = np.bincount([parent for parent in parents if parent != NO_PARENT], minlength=1)
+    has_stem = children.max() >= MIN_CARRIED * children.sum()
     return OrganDescriptors(
         samples=samples,
         attachments=attachments,
         sizes=sizes,
         directions=np.divide(mean, length, out=np.zeros_like(mean), where=length > 0),
-        order=_order_along_stem(distance, root, softness),
+        order=_order_along_stem(distance, root, softness) * has_stem,
         height=distance / max(distance.max(), np.finfo(float).tiny),
         base=base,
     )
