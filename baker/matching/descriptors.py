@@ -23,7 +23,7 @@ class OrganDescriptors:
     attachments: NDArray[np.float64]  # (n, 3) attachment points; of the root, the plant base
     sizes: NDArray[np.float64]  # (n,) root mean square distances from the attachment points
     directions: NDArray[np.float64]  # (n, 3) unit vectors from there to the centroids
-    order: NDArray[np.float64]  # (n,) number of organs attached below
+    order: NDArray[np.float64]  # (n,) number of organs attached below; 0 without a stem
     height: NDArray[np.float64]  # (n,) relative distance from the plant base
     base: NDArray[np.float64]  # (3,) plant base
 

@@ -38,24 +38,24 @@ def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> lis
     penalised, since a plant may look alike from several sides.
     """
     organs = [scan.largest(MAX_ORGANS) for scan in organs]
-    likely = list(map(_likely_motions, organs, organs[1:]))
+    steps = list(map(_candidate_motions, organs, organs[1:]))
 
     def pair_scores(first: OrganDescriptors, third: OrganDescriptors, k: int) -> Floats:
-        (before, _), (after, scores) = likely[k - 1], likely[k]  # motions before and after scan k
+        (before, _), (after, scores) = steps[k - 1], steps[k]  # motions before and after scan k
         indirect = [[_score(first.transformed(b @ a), third) for b in after] for a in before]
         return np.asarray(INDIRECT_WEIGHT * np.array(indirect) + scores)
 
     pairs = map(pair_scores, organs, organs[2:], count(1))
-    path = best_path([*(scores[None] for _, scores in likely[:1]), *pairs])
-    return [motions[k] for (motions, _), k in zip(likely, path[1:], strict=True)]
+    path = best_path([*(scores[None] for _, scores in steps[:1]), *pairs])
+    return [motions[k] for (motions, _), k in zip(steps, path[1:], strict=True)]
 
 
-def _likely_motions(
+def _candidate_motions(
     first: OrganDescriptors, second: OrganDescriptors
 ) -> tuple[list[Floats], Floats]:
-    """No motion, the candidates, (4, 4) each, and the scores of all of them."""
+    """No motion and other (4, 4) motions that are likely, and the scores of all of them."""
     motions, scores = [np.eye(4)], [_score(first, second, neighbors=True)]
-    for rotation in _candidates(first, second):
+    for rotation in _candidate_rotations(first, second):
         motion = np.eye(4)
         motion[:3, :3], motion[:3, 3] = rotation, second.base - rotation @ first.base
         score = _score(first.transformed(motion), second, neighbors=True)
@@ -81,7 +81,7 @@ def _score(first: OrganDescriptors, second: OrganDescriptors, neighbors: bool = 
     return total / min(len(first), len(second))
 
 
-def _candidates(first: OrganDescriptors, second: OrganDescriptors) -> list[Floats]:
+def _candidate_rotations(first: OrganDescriptors, second: OrganDescriptors) -> list[Floats]:
     """(3, 3) rotations by which the organs, sorted by size, come nearest to those of the second."""
     sides = first, second
     offsets = [np.array([s.mean(axis=0) for s in side.samples]) - side.base for side in sides]

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
+
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "examples" / "tomato"
 SHARED = ROOT.parent / "shared" / "data"
@@ -23,3 +25,10 @@ def present(*names: str) -> list[str]:
 def labelled(*names: str) -> list[str]:
     """The grown series, and those of the shared ones that are on this machine."""
     return [GROWN, *present(*names)]
+
+
+def tables_of(folder: Path) -> list[np.ndarray]:
+    """The points and labels of each scan, about the middle of the first one."""
+    tables = [np.loadtxt(path) for path in sorted(folder.glob("*.txt"))]
+    middle = np.append(tables[0][:, :3].mean(axis=0), 0.0)
+    return [table - middle for table in tables]

@@ -11,8 +11,7 @@ from baker.geometry.up_axis import Vertical
 from baker.matching.descriptors import OrganDescriptors, describe_organs
 from baker.matching.plant_motion import plant_motions
 from baker.segmentation.from_labels import coarse_hierarchies
-from tests.real.series import present
-from tests.real.test_segment import tables_of
+from tests.real.series import present, tables_of
 
 UP = Vertical.named("z")
 
@@ -25,7 +24,7 @@ def marked_organs(tables: list[np.ndarray]) -> list[OrganDescriptors]:
     return list(map(describe_organs, *scans))
 
 
-def directions(table: np.ndarray, base: np.ndarray, label: float) -> np.ndarray:
+def direction(table: np.ndarray, base: np.ndarray, label: float) -> np.ndarray:
     offset = table[table[:, 3] == label, :3].mean(axis=0) - base
     return offset / np.linalg.norm(offset)
 
@@ -34,7 +33,7 @@ def true_rotation(first: np.ndarray, second: np.ndarray, bases: list[np.ndarray]
     """The rotation that fits the directions from the base to the organs of the same label."""
     both = np.intersect1d(first[:, 3], second[:, 3])
     before, after = (
-        np.array([directions(table, base, label) for label in both])
+        np.array([direction(table, base, label) for label in both])
         for table, base in zip((first, second), bases, strict=True)
     )
     return Rotation.align_vectors(after, before)[0]

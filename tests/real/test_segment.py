@@ -1,7 +1,5 @@
 """Scans without labels: the organs found are those that people marked, or `grow` knows."""
 
-from pathlib import Path
-
 import numpy as np
 import plyfile
 import pytest
@@ -11,7 +9,7 @@ from baker.geometry.up_axis import Vertical
 from baker.matching.segmentation_choice import choose_segmentations
 from baker.segmentation.organs import candidate_organs
 from baker.segmentation.reeb_graph import sample_plant
-from tests.real.series import EXAMPLE, GROWN, labelled, present
+from tests.real.series import EXAMPLE, GROWN, labelled, present, tables_of
 
 UP = Vertical.named("z")
 SMALLEST_GROWN_ORGAN = 300  # points; `grow` also labels what still hides in the stem
@@ -22,13 +20,6 @@ SERIES = (
     "tomato1_control2_plant1",
     "tomato2_control_plant3",
 )
-
-
-def tables_of(folder: Path) -> list[np.ndarray]:
-    """The points and labels of each scan, about the middle of the first one."""
-    tables = [np.loadtxt(path) for path in sorted(folder.glob("*.txt"))]
-    middle = np.append(tables[0][:, :3].mean(axis=0), 0.0)
-    return [table - middle for table in tables]
 
 
 def overlaps(table: np.ndarray, numbers: np.ndarray, name: str) -> list[float]:

@@ -95,8 +95,8 @@ def test_scans_two_apart_tell_of_a_wrong_rotation(monkeypatch: pytest.MonkeyPatc
     rotation = np.eye(4)
     rotation[:3, :3] = LEAN.as_matrix()
     intervals = ([np.eye(4), rotation], np.array([1.0, 1.05])), ([np.eye(4)], np.array([1.0]))
-    likely = iter(intervals)
-    monkeypatch.setattr(plant_motion, "_likely_motions", lambda first, second: next(likely))
+    candidates = iter(intervals)
+    monkeypatch.setattr(plant_motion, "_candidate_motions", lambda first, second: next(candidates))
     organs = [described(*spiral(5, seed=k)) for k in range(3)]
     np.testing.assert_array_equal(plant_motions(organs), [np.eye(4)] * 2)
 
