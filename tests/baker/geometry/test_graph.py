@@ -139,8 +139,9 @@ def test_every_point_above_its_meeting_point_is_on_a_branch():
     assert (numbers[peaks] >= 0).all()
 
 
-def test_the_best_path_has_the_largest_total_score():
-    rng = np.random.default_rng(4)
+@pytest.mark.parametrize("seed", range(8))
+def test_the_best_path_has_the_largest_total_score(seed):
+    rng = np.random.default_rng(seed)
     scores = [rng.random(shape) for shape in ((2, 3), (3, 2), (2, 4))]
     paths = product(range(2), range(3), range(2), range(4))
     total = {
