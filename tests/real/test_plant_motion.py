@@ -11,7 +11,7 @@ from baker.geometry.up_axis import Vertical
 from baker.matching.descriptors import OrganDescriptors, describe_organs
 from baker.matching.plant_motion import plant_motions
 from baker.segmentation.from_labels import coarse_hierarchies
-from tests.real.series import present, tables_of
+from tests.real.series import labelled, present, tables_of
 
 UP = Vertical.named("z")
 
@@ -57,7 +57,7 @@ def test_leans_are_found(series, name):
     assert (left[true > 20.0] < 20.0).mean() >= 0.5
 
 
-@pytest.mark.parametrize("name", present("sorghum_control_plant2", "tomato2_control_plant3"))
+@pytest.mark.parametrize("name", labelled("sorghum_control_plant2", "tomato2_control_plant3"))
 def test_a_plant_that_stands_still_is_not_rotated(series, name):
     true, left = errors_of(tables_of(series(name)))
     assert left[true < 20.0].max() < 20.0
