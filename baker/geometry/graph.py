@@ -32,7 +32,9 @@ def knn_graph(neighbors: Neighbors) -> "csr_matrix":
     return csr_matrix((lengths.ravel(), neighbors.indices.ravel(), begins), (count, count))
 
 
-def connected_knn_graph(points: Points, k: int, neighbors: Neighbors | None = None) -> "csr_matrix":
+def connected_knn_graph(
+    points: Points, k: int, neighbors: Neighbors | None = None, mutual: bool = False
+) -> "csr_matrix":
     """The kNN graph, its components joined by their shortest gaps (Borůvka's algorithm).
 
     Parameters
@@ -42,6 +44,9 @@ def connected_knn_graph(points: Points, k: int, neighbors: Neighbors | None = No
         Number of neighbours of each point.
     neighbors : Neighbors, optional
         Used instead of a query if there are at least k.
+    mutual : bool
+        Whether to keep only edges of points that are neighbours of each other. Where surfaces lie
+        close together, fewer edges lead from one to the other.
 
     Returns
     -------
@@ -53,6 +58,8 @@ def connected_knn_graph(points: Points, k: int, neighbors: Neighbors | None = No
     if neighbors is None or neighbors.indices.shape[1] < min(k, len(points) - 1):
         neighbors = nearest_neighbors(points, k)
     graph = knn_graph(neighbors.first(k))
+    if mutual:
+        graph = graph.minimum(graph.T)
     while (components := connected_components(graph, directed=False))[0] > 1:
         graph = graph + _shortest_bridges(points, *components)
     return graph
@@ -217,8 +224,7 @@ def _shortest_bridges(
     # Two components may have the same shortest edge, which is added once.
     edges = np.unique(np.sort(np.stack([best, foreign[best]]), axis=0), axis=1)
     lengths = np.linalg.norm(np.subtract(*points[edges].astype(np.float64)), axis=1)
-    weights = np.maximum(lengths, MIN_LENGTH)
-    return coo_matrix((weights, tuple(edges)), (count, count)).tocsr()
+    return coo_matrix((np.maximum(lengths, MIN_LENGTH), tuple(edges)), (count, count)).tocsr()
 
 
 def best_path(scores: Iterable[NDArray[np.float64]]) -> list[int]:

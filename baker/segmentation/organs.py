@@ -16,7 +16,8 @@ Indices = NDArray[np.intp]
 SCORE_SHIFTS = (0.0, -0.15, 0.25)  # added to the scores of blades, one for each segmentation
 MIN_TOUCHING_SHARE = 0.4  # of the points of a strip, except for its base, that touch its organ
 MAX_GAP = 3.0  # point spacings between points that touch
-BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of a level set
+# Length of the base of an organ, where it touches its parent: in level sets; at most this share.
+BASE_LENGTH, MAX_BASE_SHARE = 2.0, 0.5
 
 
 def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.int64]]:
@@ -47,19 +48,18 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
 
     organ: (n,) of each point of the sample; 0 is the stem.
     """
+    from scipy.ndimage import extrema
     from scipy.sparse import csr_matrix
 
     adjacency = sample.graph.copy()
-    row_starts = np.arange(len(organ) + 1)  # one entry in each row
     adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)
     adjacency = adjacency + adjacency.T
     while True:
         m = organ.max() + 1
-        # (n, m) indicators of m organs
-        is_of = csr_matrix((np.ones(len(organ)), organ, row_starts), (len(organ), m))
-        base = np.full(m, np.inf)
-        np.minimum.at(base, organ, sample.distance)
-        is_beyond = sample.distance > base[organ] + BASE_LENGTH * sample.thickness
+        is_of = csr_matrix(organ[:, None] == np.arange(m), dtype=np.float64)  # (n, m)
+        base, tip, *_ = extrema(sample.distance, organ, np.arange(m))
+        base_length = np.minimum(BASE_LENGTH * sample.thickness, MAX_BASE_SHARE * (tip - base))
+        is_beyond = sample.distance > (base + base_length)[organ]
         size, beyond_size = (np.bincount(part, minlength=m) for part in (organ, organ[is_beyond]))
         # (m, m) number of points of the row's organ that touch the column's
         touching = (is_of[is_beyond].T @ (adjacency @ is_of > 0.0)[is_beyond]).toarray()

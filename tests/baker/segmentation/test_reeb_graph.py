@@ -114,6 +114,23 @@ def test_strips_of_a_sheet_are_joined_and_leaves_are_not():
     assert not (merge_strips(sample, strip) == 4).any()
 
 
+def test_a_piece_of_a_margin_is_joined_although_it_is_short():
+    """Less than the base of an organ, at which it may touch its parent."""
+    points, truth = seedling(density=12.0)
+    sample = sample_of(points)
+    label = truth[cKDTree(points).query(sample.points)[1]]
+    blade = np.flatnonzero(label == 1)
+    distance = sample.distance[blade]
+    beyond = distance - np.median(distance)
+    middle = sample.points[blade] - sample.points[blade].mean(axis=0)
+    across = middle @ np.linalg.svd(middle, full_matrices=False)[2][1]
+    is_margin = (abs(beyond) < sample.thickness) & (across > np.quantile(across, 0.8))
+    piece = label.copy()
+    piece[blade[is_margin]] = 4
+    assert (piece == 4).sum() >= 5
+    assert np.array_equal(merge_strips(sample, piece), label)
+
+
 def test_sections_are_as_wide_as_they_are_across_the_gradient_of_the_distance():
     rng = np.random.default_rng(0)
     angle, along = rng.uniform(0.0, 2.0 * np.pi, 4000), rng.uniform(0.0, 9.0, 4000)
