@@ -21,7 +21,8 @@ Floats = NDArray[np.float64]
 # docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ.
 ROTATION_PENALTY, ANGLE_PENALTY = 0.05, 0.2  # of any rotation, and per radian
 INDIRECT_WEIGHT = 0.3  # of the score of scans two apart
-MAX_ORGANS = 16  # number of the largest organs of each scan, by whose scores a rotation is chosen
+# A rotation is chosen by the scores of the largest organs of each scan, with every second point.
+MAX_ORGANS, POINT_STEP = 16, 2
 ORGANS_IN_PAIRS = 7  # number of the largest organs, of which each pair determines a rotation
 MIN_SINE = 0.25  # of the angle between the directions of such a pair
 MAX_ANGLE_CHANGE = 0.5  # of that angle between the scans, in radians
@@ -37,7 +38,7 @@ def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> lis
     of scans two apart, which two motions in turn register, at a lower weight. Rotations are
     penalised, since a plant may look alike from several sides.
     """
-    organs = [scan.largest(MAX_ORGANS) for scan in organs]
+    organs = [scan.largest(MAX_ORGANS, POINT_STEP) for scan in organs]
     steps = list(map(_candidate_motions, organs, organs[1:]))
 
     def pair_scores(first: OrganDescriptors, third: OrganDescriptors, k: int) -> Floats:
