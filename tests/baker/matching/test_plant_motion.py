@@ -50,6 +50,16 @@ def test_a_plant_that_leans_is_rotated(leaves: int, growth: float) -> None:
     np.testing.assert_allclose(motion[:3, 3], base, atol=0.5)  # plant base onto plant base
 
 
+@pytest.mark.parametrize("step", [1, 2, 5])
+def test_the_largest_organs_keep_their_size_with_fewer_points(step: int) -> None:
+    organs = described(*spiral(5))
+    largest = organs.largest(3, step)
+    order = np.argsort(-organs.sizes)[:3]
+    np.testing.assert_array_equal(largest.sizes, organs.sizes[order])
+    for sample, index in zip(largest.samples, order, strict=True):
+        np.testing.assert_array_equal(sample, organs.samples[index][::step])
+
+
 @pytest.mark.parametrize("growth", [0.7, 1.0, 1.4])
 def test_a_plant_that_only_grows_is_not_rotated(growth: float) -> None:
     first, second = described(*spiral(5)), described(*spiral(5, growth, seed=1))
