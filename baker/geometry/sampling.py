@@ -62,8 +62,10 @@ def voxel_size_for(points: NDArray[np.float64], count: int) -> float:
     small = 1e-4 * large
     while large > SIZE_TOLERANCE * small:
         middle = float(np.sqrt(small * large))
-        is_small = len(np.unique(_voxels(points, middle))) > count
-        small, large = (middle, large) if is_small else (small, middle)
+        if len(np.unique(_voxels(points, middle))) > count:
+            small = middle
+        else:
+            large = middle
     return large
 
 

@@ -21,8 +21,8 @@ Floats = NDArray[np.float64]
 # docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ.
 ROTATION_PENALTY, ANGLE_PENALTY = 0.05, 0.2  # of any rotation, and per radian
 INDIRECT_WEIGHT = 0.3  # of the score of scans two apart
-# A rotation is chosen by the scores of the largest organs of each scan, with every second point.
-MAX_ORGANS, POINT_STEP = 16, 2
+MAX_ORGANS = 16  # number of the largest organs of each scan, by whose scores a rotation is chosen
+POINT_STEP = 2  # one in so many points of these organs is used
 ORGANS_IN_PAIRS = 7  # number of the largest organs, of which each pair determines a rotation
 MIN_SINE = 0.25  # of the angle between the directions of such a pair
 MAX_ANGLE_CHANGE = 0.5  # of that angle between the scans, in radians

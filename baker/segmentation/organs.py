@@ -16,8 +16,8 @@ Indices = NDArray[np.intp]
 SCORE_SHIFTS = (0.0, -0.15, 0.25)  # added to the scores of blades, one for each segmentation
 MIN_TOUCHING_SHARE = 0.4  # of the points of a strip, except for its base, that touch its organ
 MAX_GAP = 3.0  # point spacings between points that touch
-# Length of the base of an organ, where it touches its parent: in level sets; at most this share.
-BASE_LENGTH, MAX_BASE_SHARE = 2.0, 0.5
+BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of a level set
+MAX_BASE_SHARE = 0.5  # of the base in an organ's length, so that short ones have points beyond it
 
 
 def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.int64]]:
@@ -56,7 +56,7 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
     adjacency = adjacency + adjacency.T
     while True:
         m = organ.max() + 1
-        is_of = csr_matrix(organ[:, None] == np.arange(m), dtype=np.float64)  # (n, m)
+        is_of = csr_matrix(organ[:, None] == np.arange(m), dtype=np.float64)  # (n, m) indicators
         base, tip, *_ = extrema(sample.distance, organ, np.arange(m))
         base_length = np.minimum(BASE_LENGTH * sample.thickness, MAX_BASE_SHARE * (tip - base))
         is_beyond = sample.distance > (base + base_length)[organ]

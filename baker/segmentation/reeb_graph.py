@@ -126,9 +126,9 @@ def _measure_tree(sample: PlantSample, node: NDArray[np.intp], parent: list[int]
     children: list[list[int]] = [[] for _ in parent]
     tip_distance = np.full(len(parent), sample.thickness)
     for child in range(len(parent) - 1, 0, -1):
-        before, through_child = parent[child], tip_distance[child] + sample.thickness
-        children[before].insert(0, child)
-        tip_distance[before] = max(tip_distance[before], through_child)
+        node_below, through_child = parent[child], tip_distance[child] + sample.thickness
+        children[node_below].insert(0, child)
+        tip_distance[node_below] = max(tip_distance[node_below], through_child)
     width = section_widths(sample.points, sample.distance, node)
     return ReebTree(node, parent, children, width, tip_distance)
 
@@ -158,7 +158,9 @@ def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int) -> PlantS
         neighbors = nearest_neighbors(points)
     graph = connected_knn_graph(points, NEIGHBORS, neighbors)
     nearest = cKDTree(points).query(cloud)[1]
-    distance, before = dijkstra(graph, False, nearest[base], return_predecessors=True)
+    distance, before = dijkstra(
+        graph, directed=False, indices=nearest[base], return_predecessors=True
+    )
     predecessor = np.maximum(before, -1).astype(np.intp)
     spacings = neighbors.even_spacings
     diameter = _stem_diameter(points, graph, distance, spacings)
