@@ -224,8 +224,7 @@ def _packed(paths: Sequence[OrganPaths], job: IntervalJob) -> Interval:
         for task in job.tasks
         if task.event == "loss"
     ]
-    scan = job.match.second
-    moved = organ_movers(paths, job.start, job.end, scan, job.growth) if paths else []
+    moved = organ_movers(paths, job.start, job.end, job.match.second, job.growth) if paths else []
     return pack_interval(
         *job.times,
         [*moved, *(movers for movers, _ in lost)],

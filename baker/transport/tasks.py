@@ -1,6 +1,7 @@
 """The transport tasks of one interval: matched, new and lost organs."""
 
 from dataclasses import dataclass
+from functools import cache, partial
 from typing import Literal
 
 import numpy as np
@@ -48,7 +49,8 @@ def interval_tasks(
         The paper's l, the number of points from which a new organ unfolds. By default 1 % of the
         parent's points, from 3 to 100, but at most a tenth of the organ's.
     paper : bool
-        By default 1 % of the parent's points, from 10 to 100, as in the paper.
+        By default 1 % of the parent's points, from 10 to 100, and always those nearest to the
+        organ, as in the paper.
 
     Returns
     -------
@@ -56,22 +58,16 @@ def interval_tasks(
         Each point of the first scan is in the start of one match or loss, each point of the second
         in the end of one task.
     """
-    starts, ends = match.first.segments, match.second.segments
+    starts, ends, organs = match.first.segments, match.second.segments, match.second.organs
     # A stem that is matched with a virtual, empty root is lost, or born.
     matched = [(a, b) for a, b in match.pairs if len(starts[a]) and len(ends[b])]
     born = [*match.births, *(b for a, b in match.pairs if not len(starts[a]))]
     lost = [*match.losses, *(a for a, b in match.pairs if not len(ends[b]))]
-    tasks = [Task("match", match.second.organs[b], starts[a], ends[b]) for a, b in matched]
-    attachments: dict[tuple[int | None, int], NDArray[np.intp]] = {}
-    for segment in born:
-        if len(ends[segment]):
-            key = _attachment(match, segment)
-            if key not in attachments:
-                attachments[key] = _attachment_points(points, match, *key, attachment_points, paper)
-            organ = match.second.organs[segment]
-            tasks.append(Task("birth", organ, attachments[key], ends[segment]))
-    nothing = np.empty(0, np.intp)
-    tasks += [Task("loss", match.first.organs[a], starts[a], nothing) for a in lost]
+    tasks = [Task("match", organs[b], starts[a], ends[b]) for a, b in matched]
+    attach = cache(partial(_attachment_points, points, match, attachment_points, paper))
+    born = [b for b in born if len(ends[b])]
+    tasks += [Task("birth", organs[b], attach(*_attachment(match, b)), ends[b]) for b in born]
+    tasks += [Task("loss", match.first.organs[a], starts[a], np.arange(0)) for a in lost]
     return tuple(task for task in tasks if len(task.start) or len(task.end))
 
 
@@ -93,26 +89,33 @@ def _attachment(match: Match, segment: int) -> tuple[int | None, int]:
 def _attachment_points(
     points: tuple[Points, Points],
     match: Match,
-    ancestor: int | None,
-    top: int,
     count: int | None,
     paper: bool,
+    ancestor: int | None,
+    top: int,
 ) -> NDArray[np.intp]:
-    """The points of the segment `ancestor` that are nearest to the new segment `top`."""
+    """The points of the segment `ancestor` that are nearest to the new segment `top`.
+
+    Unless `paper`, those in the middle of twice as many are chosen: single points elsewhere may be
+    near the organ as well, as where it hangs beside its parent, and a part of it would start there.
+    """
     from scipy.spatial import cKDTree
 
     members = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]
     organ = match.second.segments[top]
     if not count:
-        low = PAPER_MIN_ATTACHMENT_POINTS if paper else MIN_ATTACHMENT_POINTS
-        high = MAX_ATTACHMENT_POINTS if paper else round(ORGAN_SHARE * len(organ))
-        high = max(low, min(high, MAX_ATTACHMENT_POINTS))
-        count = min(max(low, round(ATTACHMENT_SHARE * len(members))), high)
+        least, share = PAPER_MIN_ATTACHMENT_POINTS, ATTACHMENT_SHARE * len(members)
+        if not paper:
+            least, share = MIN_ATTACHMENT_POINTS, min(share, ORGAN_SHARE * len(organ))
+        count = max(least, round(min(share, MAX_ATTACHMENT_POINTS)))
+    near_count = count if paper else 2 * count
     tree = cKDTree(points[1].take(organ, axis=0), balanced_tree=False)
     # A sample gives an upper bound of the distances, which makes the query faster.
-    sample = members[:: max(1, len(members) // (SAMPLE_RATIO * count))]
-    nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:count]
+    sample = members[:: max(1, len(members) // (SAMPLE_RATIO * near_count))]
+    nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:near_count]
     bound = 1.000001 * float(nearest[-1]) or np.inf
     distances, _ = tree.query(points[0].take(members, axis=0), distance_upper_bound=bound)
-    near = np.flatnonzero(np.isfinite(distances))  # within the bound
-    return members[near[np.argsort(distances[near], kind="stable")[:count]]]
+    near = members[np.argsort(distances, kind="stable")[:near_count]]
+    start = points[0].take(near, axis=0)
+    from_middle = ((start - np.median(start, axis=0)) ** 2).sum(axis=1)
+    return near[np.sort(np.argsort(from_middle, kind="stable")[:count])]

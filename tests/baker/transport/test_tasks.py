@@ -55,15 +55,21 @@ def test_a_bud_on_a_small_parent_has_at_least_three_points_or_all():
     assert len(next(t.start for t in tasks if t.event == "birth")) == 3
 
 
-def test_the_bud_is_what_lies_nearest_to_the_new_organ():
+def test_the_papers_own_buds_are_what_lies_nearest_to_the_new_organ():
     thick = np.random.default_rng(0).normal(size=(6000, 3)) * [0.3, 0.3, 4] + [0, 0, 5]
-    bud = next(
-        t.start
-        for t in tasks_between(scan((0, thick)), scan((0, thick), (1, LEAF)))
-        if t.event == "birth"
-    )
-    nearest = np.argsort(cdist(thick, LEAF).min(axis=1), kind="stable")[:30]
+    tasks = tasks_between(scan((0, thick)), scan((0, thick), (1, LEAF)), paper=True)
+    bud = next(t.start for t in tasks if t.event == "birth")
+    nearest = np.argsort(cdist(thick, LEAF).min(axis=1), kind="stable")[:60]
     assert np.array_equal(bud, nearest)
+
+
+def test_no_point_of_the_bud_lies_at_the_tip_of_the_new_organ():
+    at_tip = LEAF[-6:] + 0.001  # points of the stem, nearer to the leaf than its other ones
+    stem = np.concatenate([STEM, at_tip])
+    tasks = tasks_between(scan((0, stem)), scan((0, stem), (1, LEAF)))
+    bud = next(t.start for t in tasks if t.event == "birth")
+    assert len(bud) == 20
+    assert np.abs(stem[bud] - [0, 0, 7]).max() < 0.2
 
 
 def test_the_papers_own_buds_have_ten_points_at_least():
