@@ -18,23 +18,15 @@ class Match:
     births: tuple[int, ...]  # unmatched segments of the second scan, parents before children
     losses: tuple[int, ...]  # unmatched segments of the first scan
 
-    def start_of(self, end: int) -> int | None:
-        """The segment of the first scan that matches segment `end` of the second, or None."""
-        return next((a for a, b in self.pairs if b == end), None)
-
 
 def match_from_pairs(
     first: Hierarchy, second: Hierarchy, pairs: Sequence[tuple[int, int]]
 ) -> Match:
     """Make the match with these pairs; all other segments are born or lost."""
     starts, ends = {a for a, _ in pairs}, {b for _, b in pairs}
-    return Match(
-        first=first,
-        second=second,
-        pairs=tuple(sorted(pairs)),
-        births=tuple(segment for segment in second.parents_first() if segment not in ends),
-        losses=tuple(segment for segment in first.parents_first() if segment not in starts),
-    )
+    births = tuple(segment for segment in second.parents_first() if segment not in ends)
+    losses = tuple(segment for segment in first.parents_first() if segment not in starts)
+    return Match(first, second, tuple(sorted(pairs)), births, losses)
 
 
 def match_by_label(first: Hierarchy, second: Hierarchy) -> Match:

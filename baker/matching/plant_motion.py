@@ -18,15 +18,18 @@ from baker.matching.score import best_pairs, match_rewards, match_scores, shape_
 
 Floats = NDArray[np.float64]
 
-# docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ.
-ROTATION_PENALTY, ANGLE_PENALTY = 0.05, 0.2  # of any rotation, and per radian
-INDIRECT_WEIGHT = 0.3  # of the score of scans two apart
+# docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ: that of
+# any rotation, and ANGLE_WEIGHT / (ANGLE_OFFSET + mean angle of the series) for each radian.
+ROTATION_PENALTY, ANGLE_WEIGHT, ANGLE_OFFSET = 0.05, 0.1, 0.35
+FIRST_MEAN_ANGLE, ROUNDS = 0.15, 2  # in radians, in the first of so many rounds
+ANGLE_PENALTY = 0.1  # per radian, to choose candidates: that of a plant that is rotated a lot
+INDIRECT_WEIGHT = 0.4  # of the score of scans two apart
 MAX_ORGANS = 16  # number of the largest organs of each scan, by whose scores a rotation is chosen
 POINT_STEP = 2  # one in so many points of these organs is used
 ORGANS_IN_PAIRS = 7  # number of the largest organs, of which each pair determines a rotation
 MIN_SINE = 0.25  # of the angle between the directions of such a pair
 MAX_ANGLE_CHANGE = 0.5  # of that angle between the scans, in radians
-MAX_CANDIDATES = 6  # number of rotations for which organs are matched
+MAX_MATCHED, MAX_CANDIDATES = 16, 6  # rotations for which organs are matched; best ones of these
 MIN_DIFFERENCE = 0.2  # between these rotations, in radians
 
 
@@ -36,39 +39,45 @@ def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> lis
     Candidates are no motion, and motions that register the plant bases and the directions from
     there to two organs. Those with the largest total score of matched organs are chosen, with that
     of scans two apart, which two motions in turn register, at a lower weight. Rotations are
-    penalised, since a plant may look alike from several sides.
+    penalised, since a plant may look alike from several sides, but less where it rotates often.
     """
     organs = [scan.largest(MAX_ORGANS, POINT_STEP) for scan in organs]
     steps = list(map(_candidate_motions, organs, organs[1:]))
+    if not steps:
+        return []
 
-    def pair_scores(first: OrganDescriptors, third: OrganDescriptors, k: int) -> Floats:
-        (before, _), (after, scores) = steps[k - 1], steps[k]  # motions before and after scan k
-        indirect = [[_score(first.transformed(b @ a), third) for b in after] for a in before]
-        return np.asarray(INDIRECT_WEIGHT * np.array(indirect) + scores)
+    def indirect_scores(first: OrganDescriptors, third: OrganDescriptors, k: int) -> Floats:
+        (before, _), (after, _) = steps[k - 1], steps[k]  # motions before and after scan k
+        scores = [[_score(first.transformed(b @ a), third) for b in after] for a in before]
+        return INDIRECT_WEIGHT * np.array(scores)
 
-    pairs = map(pair_scores, organs, organs[2:], count(1))
-    path = best_path([*(scores[None] for _, scores in steps[:1]), *pairs])
-    return [motions[k] for (motions, _), k in zip(steps, path[1:], strict=True)]
-
-
-def _candidate_motions(
-    first: OrganDescriptors, second: OrganDescriptors
-) -> tuple[list[Floats], Floats]:
-    """No motion and other (4, 4) motions that are likely, and the scores of all of them."""
-    motions, scores = [np.eye(4)], [_score(first, second, neighbors=True)]
-    for rotation in _candidate_rotations(first, second):
-        motion = np.eye(4)
-        motion[:3, :3], motion[:3, 3] = rotation, second.base - rotation @ first.base
-        score = _score(first.transformed(motion), second, neighbors=True)
-        motions.append(motion)
-        scores.append(score - float(_penalty(rotation)))
-    return motions, np.array(scores)
+    indirect = [np.zeros((1, 1)), *map(indirect_scores, organs, organs[2:], count(1))]
+    mean_angle = FIRST_MEAN_ANGLE
+    for _ in range(ROUNDS):
+        penalty = ANGLE_WEIGHT / (ANGLE_OFFSET + mean_angle)
+        scores = [scores - penalty * _angles(motions) for motions, scores in steps]
+        _, *path = best_path([pairs + own for pairs, own in zip(indirect, scores, strict=True)])
+        motions = np.array([motions[k] for (motions, _), k in zip(steps, path, strict=True)])
+        mean_angle = float(_angles(motions).mean())
+    return [*motions]
 
 
-def _penalty(rotations: Floats) -> Floats:
-    """(...,) penalty for each organ, of (..., 3, 3) rotations."""
-    cosine = (np.trace(rotations, axis1=-2, axis2=-1) - 1.0) / 2.0
-    return np.asarray(ROTATION_PENALTY + ANGLE_PENALTY * np.arccos(np.clip(cosine, -1.0, 1.0)))
+def _candidate_motions(first: OrganDescriptors, second: OrganDescriptors) -> tuple[Floats, Floats]:
+    """No motion and other (n, 4, 4) motions that are likely, and scores without their angles."""
+    rotations = np.reshape(_candidate_rotations(first, second), (-1, 3, 3))
+    motions = np.tile(np.eye(4), (1 + len(rotations), 1, 1))
+    motions[1:, :3, :3], motions[1:, :3, 3] = rotations, second.base - rotations @ first.base
+    scores = np.array([_score(first.transformed(m), second, neighbors=True) for m in motions])
+    scores[1:] -= ROTATION_PENALTY
+    rank = ANGLE_PENALTY * _angles(motions) - scores
+    best = [0, *(1 + np.argsort(rank[1:], kind="stable")[:MAX_CANDIDATES])]
+    return motions[best], scores[best]
+
+
+def _angles(motions: Floats) -> Floats:
+    """(n,) angles of (n, 3, 3) rotations or (n, 4, 4) motions, in radians."""
+    cosine = (np.trace(motions[:, :3, :3], axis1=1, axis2=2) - 1.0) / 2.0
+    return np.arccos(np.clip(cosine, -1.0, 1.0))
 
 
 def _score(first: OrganDescriptors, second: OrganDescriptors, neighbors: bool = False) -> float:
@@ -102,13 +111,13 @@ def _candidate_rotations(first: OrganDescriptors, second: OrganDescriptors) -> l
     scores = np.maximum(match_rewards(first, second) - penalties, 0.0)
     # An upper bound of the mean score of any matching: the maxima of rows, or those of columns.
     bound = np.minimum(scores.max(axis=2).sum(axis=1), scores.max(axis=1).sum(axis=1))
-    bound = bound / min(map(len, sides)) - _penalty(rotations)
+    bound = bound / min(map(len, sides)) - ANGLE_PENALTY * _angles(rotations)
     chosen: list[Floats] = []
     for rotation in rotations[np.argsort(-bound, kind="stable")]:
         cosine = [(np.sum(rotation * previous) - 1.0) / 2.0 for previous in chosen]
         if max(cosine, default=-1.0) < np.cos(MIN_DIFFERENCE):
             chosen.append(rotation)
-        if len(chosen) == MAX_CANDIDATES:
+        if len(chosen) == MAX_MATCHED:
             break
     return chosen
 

@@ -78,7 +78,8 @@ def _attachment(match: Match, segment: int) -> tuple[int | None, int]:
     (None) if that is a virtual root.
     """
     lineage = [segment, *match.second.ancestors(segment)]
-    starts = [match.start_of(match.second.parents[ancestor]) for ancestor in lineage]
+    start_of = {b: a for a, b in match.pairs}
+    starts = [start_of.get(match.second.parents[ancestor]) for ancestor in lineage]
     depth = next((k for k, start in enumerate(starts) if start is not None), -1)
     start, top = starts[depth], lineage[depth]
     if start is not None and not len(match.first.segments[start]):
@@ -96,8 +97,7 @@ def _attachment_points(
 ) -> NDArray[np.intp]:
     """The points of the segment `ancestor` that are nearest to the new segment `top`.
 
-    Unless `paper`, those in the middle of twice as many are chosen: single points elsewhere may be
-    near the organ as well, as where it hangs beside its parent, and a part of it would start there.
+    Unless `paper`, those in the middle of twice as many are chosen: without stray points elsewhere.
     """
     from scipy.spatial import cKDTree
 

@@ -121,7 +121,8 @@ def _read_head(
             count = int(line[:18])
         elif line.startswith(COMMENT):
             splits = (_split(line.lstrip("#/ \t"), split_at) for split_at in (delimiter, None, ","))
-            header = next((s for s in splits if len(s) == width and _has_xyz(s)), header)
+            with_xyz = (s for s in splits if {"x", "y", "z"} <= {_axis(name).lower() for name in s})
+            header = next((names for names in with_xyz if len(names) == width), header)
         elif line:
             header = _split(line, delimiter)
     return header, count
@@ -164,10 +165,6 @@ def _not_a_number(values: Sequence[str], line: int, hint: str = "") -> FormatErr
     if re.fullmatch(r"[-+]?\d+,\d+", text):
         hint = "; write decimals with a point"
     return FormatError(f"'{excerpt(text)}' is not a number{hint}.", line)
-
-
-def _has_xyz(names: Sequence[str]) -> bool:
-    return {"x", "y", "z"} <= {_axis(name).lower() for name in names}
 
 
 def _axis(name: str) -> str:

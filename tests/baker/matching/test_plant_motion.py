@@ -102,13 +102,27 @@ def test_motions_of_successive_intervals_compose() -> None:
 
 def test_scans_two_apart_tell_of_a_wrong_rotation(monkeypatch: pytest.MonkeyPatch) -> None:
     """Even if the scans of one interval fit slightly better with it."""
-    rotation = np.eye(4)
-    rotation[:3, :3] = LEAN.as_matrix()
-    intervals = ([np.eye(4), rotation], np.array([1.0, 1.05])), ([np.eye(4)], np.array([1.0]))
-    candidates = iter(intervals)
-    monkeypatch.setattr(plant_motion, "_candidate_motions", lambda first, second: next(candidates))
+    motions = np.stack([np.eye(4)] * 2)
+    motions[1, :3, :3] = LEAN.as_matrix()
+    intervals = (motions, np.array([1.0, 1.35])), (motions[:1], np.array([1.0]))
     organs = [described(*spiral(5, seed=k)) for k in range(3)]
-    np.testing.assert_array_equal(plant_motions(organs), [np.eye(4)] * 2)
+    for count, expected in (2, motions[1:]), (3, motions[[0, 0]]):
+        candidates = iter(intervals)
+        monkeypatch.setattr(plant_motion, "_candidate_motions", lambda *_, c=candidates: next(c))
+        np.testing.assert_array_equal(plant_motions(organs[:count]), expected)
+
+
+def test_a_plant_that_rotates_often_is_rotated_sooner(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The penalty is 0.2 a radian or more if nothing else rotates, and below 0.1 if the rest does."""
+    motions = np.stack([np.eye(4)] * 2)
+    motions[1, :3, :3] = LEAN.as_matrix()
+    small = np.array([1.0, 1.0 + 0.15 * LEAN.magnitude()])
+    monkeypatch.setattr(plant_motion, "INDIRECT_WEIGHT", 0.0)
+    organs = [described(*spiral(5, seed=k)) for k in range(5)]
+    for gain, expected in (0.0, [0, 0, 0, 0]), (3.0, [1, 1, 1, 1]):
+        steps = iter([*[(motions, np.array([1.0, 1.0 + gain]))] * 3, (motions, small)])
+        monkeypatch.setattr(plant_motion, "_candidate_motions", lambda *_, s=steps: next(s))
+        np.testing.assert_array_equal(plant_motions(organs), motions[expected])
 
 
 def test_organs_keep_their_tracks_in_a_plant_that_leans() -> None:
