@@ -113,7 +113,7 @@ def test_scans_two_apart_tell_of_a_wrong_rotation(monkeypatch: pytest.MonkeyPatc
 
 
 def test_a_plant_that_rotates_often_is_rotated_sooner(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The penalty is 0.2 a radian or more if nothing else rotates, and below 0.1 if the rest does."""
+    """The penalty is above 0.2 a radian if nothing else rotates, and below 0.1 if the rest does."""
     motions = np.stack([np.eye(4)] * 2)
     motions[1, :3, :3] = LEAN.as_matrix()
     small = np.array([1.0, 1.0 + 0.15 * LEAN.magnitude()])
