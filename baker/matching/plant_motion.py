@@ -21,7 +21,8 @@ Floats = NDArray[np.float64]
 # docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ: that of
 # any rotation, and ANGLE_WEIGHT / (ANGLE_OFFSET + mean angle of the series) for each radian.
 ROTATION_PENALTY, ANGLE_WEIGHT, ANGLE_OFFSET = 0.05, 0.1, 0.35
-FIRST_MEAN_ANGLE, ROUNDS = 0.15, 2  # in radians, in the first of so many rounds
+FIRST_MEAN_ANGLE = 0.15  # that is assumed in the first round, in radians
+ROUNDS = 2  # number of times that rotations are chosen, with the mean angle of those before
 ANGLE_PENALTY = 0.1  # per radian, to choose candidates: that of a plant that is rotated a lot
 INDIRECT_WEIGHT = 0.4  # of the score of scans two apart
 MAX_ORGANS = 16  # number of the largest organs of each scan, by whose scores a rotation is chosen
@@ -55,15 +56,15 @@ def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> lis
     mean_angle = FIRST_MEAN_ANGLE
     for _ in range(ROUNDS):
         penalty = ANGLE_WEIGHT / (ANGLE_OFFSET + mean_angle)
-        scores = [scores - penalty * _angles(motions) for motions, scores in steps]
-        _, *path = best_path([pairs + own for pairs, own in zip(indirect, scores, strict=True)])
-        motions = np.array([motions[k] for (motions, _), k in zip(steps, path, strict=True)])
-        mean_angle = float(_angles(motions).mean())
-    return [*motions]
+        direct = [scores - penalty * _angles(motions) for motions, scores in steps]
+        _, *path = best_path([pairs + own for pairs, own in zip(indirect, direct, strict=True)])
+        chosen = np.array([motions[k] for (motions, _), k in zip(steps, path, strict=True)])
+        mean_angle = float(_angles(chosen).mean())
+    return [*chosen]
 
 
 def _candidate_motions(first: OrganDescriptors, second: OrganDescriptors) -> tuple[Floats, Floats]:
-    """No motion and other (n, 4, 4) motions that are likely, and scores without their angles."""
+    """No motion and other likely ones, (n, 4, 4), and (n,) scores without the angles' penalties."""
     rotations = np.reshape(_candidate_rotations(first, second), (-1, 3, 3))
     motions = np.tile(np.eye(4), (1 + len(rotations), 1, 1))
     motions[1:, :3, :3], motions[1:, :3, 3] = rotations, second.base - rotations @ first.base

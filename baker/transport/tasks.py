@@ -97,7 +97,7 @@ def _attachment_points(
 ) -> NDArray[np.intp]:
     """The points of the segment `ancestor` that are nearest to the new segment `top`.
 
-    Unless `paper`, those in the middle of twice as many are chosen: without stray points elsewhere.
+    Unless `paper`, stray points are left out: of twice as many, those in their middle are chosen.
     """
     from scipy.spatial import cKDTree
 
