@@ -82,29 +82,9 @@ def bake_with_survey(
 ) -> tuple[Clip, Survey]:
     """Bake scans into a growth clip; also return the aligned series and the findings about it.
 
-    Parameters
-    ----------
-    paths : sequence of str or Path
-        A folder of scans, or the scans' files.
-    options : Options, optional
-    progress : callable, optional
-        Called with the name of a stage, the number of steps done and their total.
-    solve : callable, optional
-        `solve_intervals`, or a function like it that has a cache.
-    times : sequence, optional
-        The day or date of each scan; by default they are read from the names.
-    report_findings : callable, optional
-        Called with the findings about the series before segmentation begins.
-
-    Returns
-    -------
-    clip : Clip
-    survey : Survey
-
-    Raises
-    ------
-    InputError
-        If the scans or options can't be baked; the message is one sentence.
+    paths, options, progress, times: as in `baker.bake`. solve: `solve_intervals`, or a function
+    like it that has a cache. report_findings: called with the findings about the series before
+    segmentation begins. Raises InputError if the scans or options can't be baked.
     """
     options, progress = options or Options(), progress or (lambda stage, done, total: None)
     workers = worker_count(options.workers)
@@ -170,12 +150,7 @@ def survey_series(
 ) -> Survey:
     """Read scans, align them and decide what their labels mean (section 3.1).
 
-    Parameters
-    ----------
-    paths, options, progress, times
-        As in `bake_with_survey`.
-    map : map-like callable
-        Maps over the scans.
+    paths, options, progress, times: as in `bake_with_survey`. map: maps over the scans.
     """
     files = [Path(path) for path in paths]
     raw = read_series(files, options, partial(progress, "reading"), map, times)

@@ -32,7 +32,9 @@ def knn_graph(neighbors: Neighbors) -> "csr_matrix":
     return csr_matrix((lengths.ravel(), neighbors.indices.ravel(), begins), (count, count))
 
 
-def connected_knn_graph(points: Points, k: int, neighbors: Neighbors | None = None) -> "csr_matrix":
+def connected_knn_graph(
+    points: Points, k: int, neighbors: Neighbors | None = None, mutual: bool = False
+) -> "csr_matrix":
     """The kNN graph, its components joined by their shortest gaps (Borůvka's algorithm).
 
     Parameters
@@ -42,6 +44,9 @@ def connected_knn_graph(points: Points, k: int, neighbors: Neighbors | None = No
         Number of neighbours of each point.
     neighbors : Neighbors, optional
         Used instead of a query if there are at least k.
+    mutual : bool
+        Whether to keep only edges of points that are neighbours of each other. Where surfaces lie
+        close together, fewer edges lead from one to the other.
 
     Returns
     -------
@@ -53,6 +58,8 @@ def connected_knn_graph(points: Points, k: int, neighbors: Neighbors | None = No
     if neighbors is None or neighbors.indices.shape[1] < min(k, len(points) - 1):
         neighbors = nearest_neighbors(points, k)
     graph = knn_graph(neighbors.first(k))
+    if mutual:
+        graph = graph.minimum(graph.T)
     while (components := connected_components(graph, directed=False))[0] > 1:
         graph = graph + _shortest_bridges(points, *components)
     return graph

@@ -18,6 +18,7 @@ MIN_TOUCHING_SHARE = 0.4  # of the points of a strip, except for its base, that 
 MAX_GAP = 3.0  # point spacings between points that touch
 BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of a level set
 MAX_BASE_SHARE = 0.5  # of the base in an organ's length, so that short ones have points beyond it
+MIN_REACH = 1.3  # of an organ: its distance from all others somewhere, in stem diameters
 
 
 def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.int64]]:
@@ -34,7 +35,7 @@ def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.
     scores = blade_scores(sample, tree)
     for shift in SCORE_SHIFTS:
         nodes = organs_of_nodes(sample, tree, np.clip(scores + shift, -1.0, 1.0))
-        organ = merge_strips(sample, nodes[tree.node])
+        organ = merge_specks(sample, merge_strips(sample, nodes[tree.node]))
         if not any(np.array_equal(organ, other) for other in candidates):
             candidates.append(organ)
     return [organ[sample.nearest].astype(np.int64) for organ in candidates]
@@ -76,3 +77,23 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
             if merged[other] == other and not has_grown[strip]:  # or else in the next round
                 merged[strip], has_grown[other] = other, True
         organ = merged[organ]
+
+
+def merge_specks(sample: PlantSample, organ: Indices) -> Indices:
+    """Merge organs that reach nowhere beyond others around them, the smallest first.
+
+    They are crumbs of a surface, or strips beside a hole in the stem. Each becomes part of the
+    organ that it grows from. organ: (n,) of each point of the sample; 0 is the stem.
+    """
+    from scipy.spatial import cKDTree
+
+    organ, tree, reach = organ.copy(), cKDTree(sample.points), MIN_REACH * sample.diameter
+    for number in np.argsort(np.bincount(organ), kind="stable"):
+        members = np.flatnonzero(organ == number)
+        # From the tip on, since the first point of most organs tells that they reach farther.
+        members = members[np.argsort(-sample.distance[members], kind="stable")]
+        before = sample.predecessor[members[-1:]]  # on the shortest path to its first point
+        balls = (tree.query_ball_point(point, reach) for point in sample.points[members])
+        if (before >= 0).all() and all((organ[ball] != number).any() for ball in balls):
+            organ[members] = organ[before]
+    return organ

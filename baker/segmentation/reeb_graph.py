@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import chain_ends, connected_knn_graph
-from baker.geometry.neighbors import NEIGHBORS, nearest_neighbors
+from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.sampling import voxel_downsample, voxel_size_for
 
 if TYPE_CHECKING:
@@ -25,14 +25,14 @@ Floats = NDArray[np.floating]
 
 # docs/method.md, "Organs without labels".
 COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # most points to measure the stem, and to segment the plant
-VOXEL_SIZE = 0.2  # in stem diameters
-LEVEL_THICKNESS, MIN_LEVEL_THICKNESS = 0.35, 2.5  # in stem diameters; at least, in point spacings
+VOXEL_SIZE, NEIGHBORS = 0.2, 12  # in stem diameters; in the mutual kNN graph
+LEVEL_THICKNESS = 2.5  # of a level set, in point spacings
 STEM_LENGTH = 6.0  # of the part of the stem that is measured, in its diameters
 MIN_POINTS, MIN_POINTS_OF_SECTION = 30, 6  # to measure the stem: of the sample, of a section
 FIRST_DIAMETER, MIN_DIAMETER = 8.0, 2.75  # of the fixed-point iteration, in point spacings
 SHIFTS = 0.0, 0.25, 0.5, 0.75  # of the sets of sections that it measures, in their thicknesses
 MAX_ITERATIONS, MAX_CHANGE = 15, 0.02  # of that iteration; relative change at which it ends
-MAX_HOLE = 2.0  # length of a loop that is a hole in the scan, in stem diameters
+MAX_HOLE = 5.0  # length of a loop that is a hole in the scan, in stem diameters
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class PlantSample:
 
     points: NDArray[np.float64]  # (n, 3)
     nearest: NDArray[np.intp]  # (N,) index of the sample's point nearest to each point of the scan
-    graph: "csr_matrix"  # (n, n) the connected kNN graph
+    graph: "csr_matrix"  # (n, n) the connected mutual kNN graph
     distance: NDArray[np.float64]  # (n,) geodesic distance from the plant base
     predecessor: NDArray[np.intp]  # (n,) previous point on the shortest path; -1 at the base
     spacing: float  # median even spacing of the sample's points
@@ -50,7 +50,7 @@ class PlantSample:
     @property
     def thickness(self) -> float:
         """The thickness of a level set of the distance."""
-        return max(LEVEL_THICKNESS * self.diameter, MIN_LEVEL_THICKNESS * self.spacing)
+        return LEVEL_THICKNESS * self.spacing
 
 
 @dataclass(frozen=True)
@@ -152,11 +152,11 @@ def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int) -> PlantS
     from scipy.spatial import cKDTree
 
     points = cloud[voxel_downsample(cloud, size)]
-    neighbors = nearest_neighbors(points)
+    neighbors = nearest_neighbors(points, NEIGHBORS)
     if not neighbors.inliers.all():
         points = points[neighbors.inliers]
-        neighbors = nearest_neighbors(points)
-    graph = connected_knn_graph(points, NEIGHBORS, neighbors)
+        neighbors = nearest_neighbors(points, NEIGHBORS)
+    graph = connected_knn_graph(points, NEIGHBORS, neighbors, mutual=True)
     nearest = cKDTree(points).query(cloud)[1]
     distance, before = dijkstra(
         graph, directed=False, indices=nearest[base], return_predecessors=True
@@ -180,7 +180,7 @@ def _stem_diameter(
         return 0.0
     for _ in range(MAX_ITERATIONS):
         spacing = float(np.median(spacings[distance <= STEM_LENGTH * diameter]))
-        thickness = max(LEVEL_THICKNESS * diameter, MIN_LEVEL_THICKNESS * spacing)
+        thickness = LEVEL_THICKNESS * spacing
         last = np.ceil((STEM_LENGTH - 0.5) * diameter / thickness) - 1
         sections = list[NDArray[np.intp]]()
         for shift in SHIFTS:

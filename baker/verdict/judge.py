@@ -23,17 +23,9 @@ def judge_clip(
 ) -> Clip:
     """Add the verdict to the provenance of a clip, judged without knowing the true growth.
 
-    Parameters
-    ----------
-    clip : Clip
-    jobs : sequence of IntervalJob
-        Of each interval.
-    labels : LabelUse
-        Where labels identify organs, their identity is not doubted.
-    confirmed : collection of tuple
-        (index of the interval, label) of the organs that corrections confirm to be the same.
-    map : map-like callable
-        Maps over the intervals.
+    jobs: of each interval. labels: where they identify organs, their identity is not doubted.
+    confirmed: (index of the interval, label) of the organs that corrections confirm to be the same.
+    map: maps over the intervals.
     """
     names = ["the stem" if organ.kind == "stem" else organ.name for organ in clip.track_table]
 

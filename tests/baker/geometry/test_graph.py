@@ -45,6 +45,20 @@ def test_components_are_joined_by_their_shortest_gaps(parts, seed):
     np.testing.assert_allclose(np.sort(added.data), shortest, rtol=1e-6)
 
 
+@pytest.mark.parametrize("seed", range(3))
+def test_edges_of_a_mutual_graph_join_neighbours_of_each_other(seed):
+    points = blobs(140, 2, seed)
+    ranks = cdist(points, points).argsort(axis=1).argsort(axis=1)  # 0 for each point itself
+    expected = (ranks <= 7) & (ranks.T <= 7) & ~np.eye(140, dtype=bool)
+    edges = connected_knn_graph(points, 7, mutual=True).toarray() > 0.0
+    assert edges[expected].all()
+    count, component = connected_components(expected, directed=False)
+    bridges = np.argwhere(edges & ~expected)
+    assert (component[bridges[:, 0]] != component[bridges[:, 1]]).all()
+    assert len(bridges) == count - 1
+    assert connected_components(edges, directed=False)[0] == 1
+
+
 def test_distances_are_the_least_over_all_seeds_with_their_offsets():
     graph = connected_knn_graph(blobs(200, 3, 0), 6)
     seeds, offsets = np.array([3, 60, 61]), np.array([0.0, 2.0, 0.5])

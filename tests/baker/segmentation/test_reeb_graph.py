@@ -6,7 +6,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from baker.segmentation.organ_classification import blade_scores, flatness
-from baker.segmentation.organs import merge_strips
+from baker.segmentation.organs import merge_specks, merge_strips
 from baker.segmentation.reeb_graph import reeb_tree, sample_plant, section_widths
 from tests.baker.segmentation.seedling import seedling, tube
 
@@ -90,8 +90,8 @@ def test_flatness_tells_rod_from_sheet():
 
 
 def test_a_blade_too_crumpled_to_be_flat_is_still_wide():
-    points, truth = seedling(2, density=60)
-    crumpled = 0.5 * np.random.default_rng(1).normal(size=points.shape)
+    points, truth = seedling(2, density=120)
+    crumpled = 0.4 * np.random.default_rng(1).normal(size=points.shape)
     points = points + np.where(truth[:, None] > 0, crumpled, 0.0)
     sample = sample_of(points)
     is_blade = truth[cKDTree(points).query(sample.points)[1]] > 0
@@ -129,6 +129,36 @@ def test_a_piece_of_a_margin_is_joined_although_it_is_short():
     piece[blade[is_margin]] = 4
     assert (piece == 4).sum() >= 5
     assert np.array_equal(merge_strips(sample, piece), label)
+
+
+def test_specks_are_joined_to_the_organ_that_they_grow_from():
+    """Also where another organ has more points around them."""
+    points, truth = seedling(density=60)
+    sample = sample_of(points)
+    label = truth[cKDTree(points).query(sample.points)[1]]
+    assert np.array_equal(merge_specks(sample, label), label)
+    x, _, z = sample.points.T
+    speck = label.copy()
+    stem_side = (label == 0) & (x < -0.2) & (abs(z - 1.5) < 1.2)  # a strip of the stem
+    leaf_base = np.flatnonzero(label == 2)
+    leaf_base = leaf_base[np.argsort(sample.distance[leaf_base])[:40]]
+    speck[stem_side], speck[leaf_base] = 4, 5
+    joined = merge_specks(sample, speck)
+    assert (joined[stem_side] == 0).all()
+    assert (joined[leaf_base] == 0).all()  # they grow from the petiole
+    rest = ~np.isin(speck, (4, 5))
+    assert np.array_equal(joined[rest], label[rest])
+
+
+def test_a_twig_is_no_speck():
+    points, _ = seedling(density=60)
+    away = np.array([-1.0, 0.0, 0.0])
+    rng = np.random.default_rng(0)
+    twig = tube(0.4 * away + [0, 0, 3], 2.2 * away + [0, 0, 3], 0.5, 60, rng)
+    sample = sample_of(np.concatenate([points, twig]))
+    x, _, z = sample.points.T
+    label = ((x < -0.6) & (abs(z - 3.0) < 0.4)).astype(np.intp)
+    assert np.array_equal(merge_specks(sample, label), label)
 
 
 def test_sections_are_as_wide_as_they_are_across_the_gradient_of_the_distance():
