@@ -54,8 +54,8 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
     if source.length > target.length:
         back = fit_motion(target, source)
         return replace(back, sample=back.deformed, deformed=back.sample, is_reversed=True)
-    children = source.nodes.keys() & target.nodes.keys()
-    first, second = ([s.nodes[c] for c in sorted(children)] for s in (source, target))
+    organs = sorted(source.nodes.keys() & target.nodes.keys())
+    first, second = ([shape.nodes[organ] for organ in organs] for shape in (source, target))
     landmarks = np.array(first, int), np.array(second, int)
     clouds = source.points, target.points
     moved = spine_deformation(*clouds, source.spine, target.spine, landmarks)

@@ -11,6 +11,7 @@ from itertools import chain, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.neighbors import point_spacing
 from baker.interpolation.spine import (
     MIN_POINTS_FOR_SPINE,
     Points,
@@ -28,7 +29,7 @@ Attachments = dict[int, Cloud]
 
 # docs/method.md, "Motion of organs"; both in point spacings.
 CONTACT_RADIUS = 2.0  # distance of touching points from the parent, beyond that of the nearest one
-MAX_STEP = 3.0  # distance of neighbouring points of one contact
+MAX_STEP = 3.0  # distance of neighbouring points of one contact, or of organs that touch
 
 
 def organ_attachments(
@@ -106,7 +107,8 @@ class OrganShape:
     spine: Spine
     attachment: Points  # (3,)
     lengths: NDArray[np.float64]  # (n,) geodesic distances from the plant base
-    nodes: dict[int, int] = field(default_factory=dict)  # child organ -> index of its parent point
+    # organ that grows from it, or touches it if it is the stem -> index of the nearest point
+    nodes: dict[int, int] = field(default_factory=dict)
 
     @property
     def length(self) -> float:
@@ -146,6 +148,11 @@ def organ_shapes(
             gaps, touched = cKDTree(parent_shape.points).query(sample[seeds])
             offsets = parent_shape.lengths[touched] + gaps
             parent_shape.nodes[organ] = int(touched[np.argmin(offsets)])
+        stem = shapes.get(hierarchy.organs[hierarchy.root])
+        if stem and stem is not parent_shape:  # it may grow from the stem although its parent is nearer
+            gaps, touched = cKDTree(stem.points).query(sample)
+            if gaps.min() < MAX_STEP * max(point_spacing(sample), point_spacing(stem.points)):
+                stem.nodes[organ] = int(touched[np.argmin(gaps)])
         lengths = path_lengths(sample, seeds, offsets)
         attachment = sample[seeds[np.argmin(offsets)]]
         spine = fit_spine(sample, lengths)
