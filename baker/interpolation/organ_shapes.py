@@ -149,7 +149,8 @@ def organ_shapes(
             offsets = parent_shape.lengths[touched] + gaps
             parent_shape.nodes[organ] = int(touched[np.argmin(offsets)])
         stem = shapes.get(hierarchy.organs[hierarchy.root])
-        if stem and stem is not parent_shape:  # it may grow from the stem although its parent is nearer
+        # It may grow from the stem although its parent is nearer.
+        if stem is not None and stem is not parent_shape:
             gaps, touched = cKDTree(stem.points).query(sample)
             if gaps.min() < MAX_STEP * max(point_spacing(sample), point_spacing(stem.points)):
                 stem.nodes[organ] = int(touched[np.argmin(gaps)])
