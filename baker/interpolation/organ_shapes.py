@@ -132,6 +132,7 @@ def organ_shapes(
     from scipy.spatial import cKDTree
 
     shapes: dict[int, OrganShape] = {}
+    stem_tree, reach = None, 0.0  # of the stem's points, and how far from them organs touch it
     lineages = ((segment, *hierarchy.ancestors(segment)) for segment in segments)
     needed = set(chain.from_iterable(lineages))
     for segment in hierarchy.parents_first():
@@ -148,11 +149,13 @@ def organ_shapes(
             gaps, touched = cKDTree(parent_shape.points).query(sample[seeds])
             offsets = parent_shape.lengths[touched] + gaps
             parent_shape.nodes[organ] = int(touched[np.argmin(offsets)])
-        stem = shapes.get(hierarchy.organs[hierarchy.root])
-        # It may grow from the stem although its parent is nearer.
-        if stem is not None and stem is not parent_shape:
-            gaps, touched = cKDTree(stem.points).query(sample)
-            if gaps.min() < MAX_STEP * max(point_spacing(sample), point_spacing(stem.points)):
+        if parent == NO_PARENT:
+            stem_tree, reach = cKDTree(sample), MAX_STEP * point_spacing(sample)
+        elif parent != hierarchy.root and stem_tree is not None:
+            # It may grow from the stem although its parent is nearer.
+            gaps, touched = stem_tree.query(sample)
+            if gaps.min() < reach:
+                stem = shapes[hierarchy.organs[hierarchy.root]]
                 stem.nodes[organ] = int(touched[np.argmin(gaps)])
         lengths = path_lengths(sample, seeds, offsets)
         attachment = sample[seeds[np.argmin(offsets)]]
