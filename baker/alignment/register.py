@@ -65,9 +65,10 @@ def align(
         The direction of growth, or "auto".
     root : (3,) float, optional
         The plant base of the first scan.
-    progress, map : callable, optional
-        Called with the name of the stage, the number of steps done and their total; and a map over
-        the scans.
+    progress : callable, optional
+        Called with the name of the stage, the number of steps done and their total.
+    map : map-like callable
+        Maps over the scans.
     """
     progress = progress or (lambda stage, done, total: None)
     scans = series.scans

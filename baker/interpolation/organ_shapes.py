@@ -132,7 +132,7 @@ def organ_shapes(
     from scipy.spatial import cKDTree
 
     shapes: dict[int, OrganShape] = {}
-    stem_tree, reach = None, 0.0  # of the stem's points, and how far from them organs touch it
+    stem_tree, max_gap = None, 0.0  # of the stem's points, and between these and organs that touch
     lineages = ((segment, *hierarchy.ancestors(segment)) for segment in segments)
     needed = set(chain.from_iterable(lineages))
     for segment in hierarchy.parents_first():
@@ -150,13 +150,12 @@ def organ_shapes(
             offsets = parent_shape.lengths[touched] + gaps
             parent_shape.nodes[organ] = int(touched[np.argmin(offsets)])
         if parent == NO_PARENT:
-            stem_tree, reach = cKDTree(sample), MAX_STEP * point_spacing(sample)
+            stem_tree, max_gap = cKDTree(sample), MAX_STEP * point_spacing(sample)
         elif parent != hierarchy.root and stem_tree is not None:
             # It may grow from the stem although its parent is nearer.
             gaps, touched = stem_tree.query(sample)
-            if gaps.min() < reach:
-                stem = shapes[hierarchy.organs[hierarchy.root]]
-                stem.nodes[organ] = int(touched[np.argmin(gaps)])
+            if gaps.min() < max_gap:
+                shapes[hierarchy.organs[hierarchy.root]].nodes[organ] = int(touched[gaps.argmin()])
         lengths = path_lengths(sample, seeds, offsets)
         attachment = sample[seeds[np.argmin(offsets)]]
         spine = fit_spine(sample, lengths)

@@ -18,7 +18,7 @@ MIN_TOUCHING_SHARE = 0.4  # of the points of a strip, except for its base, that 
 MAX_GAP = 3.0  # point spacings between points that touch
 BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of a level set
 MAX_BASE_SHARE = 0.5  # of the base in an organ's length, so that short ones have points beyond it
-MIN_REACH = 1.3  # of an organ: its distance from all others somewhere, in stem diameters
+MIN_REACH = 1.3  # of the point of an organ farthest from all other organs, in stem diameters
 
 
 def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.int64]]:
@@ -80,9 +80,9 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
 
 
 def merge_specks(sample: PlantSample, organ: Indices) -> Indices:
-    """Merge organs that reach nowhere beyond others around them, the smallest first.
+    """Merge organs of which every point is near another organ, the smallest first.
 
-    They are crumbs of a surface, or strips beside a hole in the stem. Each becomes part of the
+    They are fragments of a surface, or strips beside a hole in the stem. Each becomes part of the
     organ that it grows from. organ: (n,) of each point of the sample; 0 is the stem.
     """
     from scipy.spatial import cKDTree
@@ -90,9 +90,9 @@ def merge_specks(sample: PlantSample, organ: Indices) -> Indices:
     organ, tree, reach = organ.copy(), cKDTree(sample.points), MIN_REACH * sample.diameter
     for number in np.argsort(np.bincount(organ), kind="stable"):
         members = np.flatnonzero(organ == number)
-        # From the tip on, since the first point of most organs tells that they reach farther.
+        # The farthest first, since the tips of most organs are near no other one.
         members = members[np.argsort(-sample.distance[members], kind="stable")]
-        before = sample.predecessor[members[-1:]]  # on the shortest path to its first point
+        before = sample.predecessor[members[-1:]]  # on the shortest path to the first one
         balls = (tree.query_ball_point(point, reach) for point in sample.points[members])
         if (before >= 0).all() and all((organ[ball] != number).any() for ball in balls):
             organ[members] = organ[before]
