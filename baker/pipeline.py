@@ -35,7 +35,7 @@ from baker.matching.match import chain_matches, match_series
 from baker.matching.segmentation_choice import choose_segmentations
 from baker.options import Options
 from baker.scans import Finding, Series, read_series
-from baker.segmentation.from_labels import coarse_hierarchies, labelled_hierarchies
+from baker.segmentation.from_labels import labelled_hierarchies
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
 from baker.segmentation.hierarchy import Hierarchy, one_segment
 from baker.segmentation.label_cleaning import with_clean_labels
@@ -211,8 +211,7 @@ def _segment(
     organs = with_corrected_organs(organs, aligned, corrections)
     labels = labels.with_available(organs)
     if not is_complete or not (labels.consistent or options.paper):
-        hierarchies = coarse_hierarchies(clouds, organs, bases)
-        labels = with_tracked_labels(labels, clouds, hierarchies, bases, corrections)
+        labels = with_tracked_labels(labels, clouds, organs, bases, corrections)
         organs = labels.available
     organs = with_corrected_links(organs, corrections)
     labels = replace(labels, labels=tuple(organs), names=organ_names(organs, corrections))

@@ -1,14 +1,16 @@
 """Describe the organs of a scan for matching: attachment point, size, direction, order."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+from baker.geometry.graph import chain_ends, connected_knn_graph
+from baker.segmentation.hierarchy import NO_PARENT, split_by_label
 
 SAMPLE_SIZE = 128  # number of points of an organ from which its descriptors are computed
-ATTACHMENT_POINTS = 5  # number of points nearest to the parent; their mean is the attachment point
+PATH_POINTS, NEIGHBORS = 400, 10  # of an organ, in the kNN graph for shortest paths
 AXIAL_WEIGHT = 0.35  # of the component of directions along the stem, in `about_stem`
 ORDER_SOFTNESS = 0.025  # width of the step between "above" and "below", in organ sizes
 MIN_CARRIED = 0.4  # share of the other organs that grow from one organ, such as a stem
@@ -66,22 +68,16 @@ class OrganDescriptors:
 
 
 def describe_organs(
-    cloud: NDArray[np.floating], hierarchy: Hierarchy, root_point: int
+    cloud: NDArray[np.floating], labels: NDArray[np.integer], root_point: int
 ) -> OrganDescriptors:
-    """Describe the organs of a scan, which are the segments that have points.
+    """Describe the organs of a scan, in ascending order of their labels.
 
-    cloud: (N, 3) points. root_point: index of the point at the plant base.
+    cloud, labels: (N, 3) points and (N,) organs. root_point: index of the point at the plant base.
     """
-    members, root, parents = _organs(hierarchy, root_point)
-    steps = [-(-len(segment) // SAMPLE_SIZE) for segment in members]
-    samples = [cloud[s[::k]].astype(np.float64) for s, k in zip(members, steps, strict=True)]
+    _, members = split_by_label(labels)
+    samples = [cloud[_sample(organ, SAMPLE_SIZE)].astype(np.float64) for organ in members]
     base = cloud[root_point].astype(np.float64)
-    attachments = np.array(
-        [
-            base if parent == NO_PARENT else _attachment(sample, samples[parent])
-            for sample, parent in zip(samples, parents, strict=True)
-        ]
-    )
+    attachments, parents = _attachments(cloud, members, root_point)
     offsets = [sample - point for sample, point in zip(samples, attachments, strict=True)]
     sizes = np.array([np.sqrt((offset**2).sum(axis=1).mean()) for offset in offsets])
     mean = np.array([offset.mean(axis=0) for offset in offsets])
@@ -89,45 +85,60 @@ def describe_organs(
     distance = np.linalg.norm(attachments - base, axis=1)
     softness = ORDER_SOFTNESS * float(np.sqrt((sizes**2).mean()))
     # Without a stem that carries many organs, as where leaflets are organs, there is no order.
-    children = np.bincount([parent for parent in parents if parent != NO_PARENT], minlength=1)
+    children = np.bincount(parents[parents != NO_PARENT], minlength=1)
     has_stem = children.max() >= MIN_CARRIED * children.sum()
     return OrganDescriptors(
         samples=samples,
         attachments=attachments,
         sizes=sizes,
         directions=np.divide(mean, length, out=np.zeros_like(mean), where=length > 0),
-        order=_order_along_stem(distance, root, softness) * has_stem,
+        order=_order_along_stem(distance, parents != NO_PARENT, softness) * has_stem,
         height=distance / max(distance.max(), np.finfo(float).tiny),
         base=base,
     )
 
 
-def _organs(hierarchy: Hierarchy, root_point: int) -> tuple[list[NDArray[np.intp]], int, list[int]]:
-    """The segments that have points, the index of the root among them, and their parents.
+def _sample(members: NDArray[np.intp], count: int) -> NDArray[np.intp]:
+    """Every k-th index, with the smallest k that leaves at most `count` of them."""
+    return members[:: -(-len(members) // count)]
 
-    The root is the segment with the root point; children of a virtual root become its children.
+
+def _attachments(
+    cloud: NDArray[np.floating], members: Sequence[NDArray[np.intp]], root_point: int
+) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    """Where organs are attached, and to which organs, by the shortest paths from the plant base.
+
+    An organ's parent is the organ from which most of the paths to its points enter it, and its
+    attachment point is the mean of the points at which they do. So where its tip touches another
+    organ, it is still attached at its own base.
+
+    members: n arrays of indices of points. Returns the (n, 3) attachment points, of the root the
+    plant base, and the (n,) parents, of the root `NO_PARENT`.
     """
-    members = [segment for segment in hierarchy.segments if len(segment)]
+    from scipy.sparse.csgraph import dijkstra
+
+    parts = [_sample(organ, PATH_POINTS) for organ in members]
     root = next(index for index, points in enumerate(members) if root_point in points)
-    segment_parents = hierarchy.parents[: len(members)]  # a virtual root is the last segment
-    parents = [parent if 0 <= parent < len(members) else root for parent in segment_parents]
-    parents[root] = NO_PARENT
-    return members, root, parents
-
-
-def _attachment(sample: NDArray[np.float64], parent: NDArray[np.float64]) -> NDArray[np.float64]:
-    """(3,) mean of the points of an organ that are nearest to the points of its parent."""
-    from scipy.spatial import cKDTree
-
-    distances = cKDTree(parent).query(sample)[0]
-    nearest = np.argsort(distances, kind="stable")[:ATTACHMENT_POINTS]
-    return np.asarray(sample[nearest].mean(axis=0))
+    organ = np.append(root, np.repeat(np.arange(len(parts)), [*map(len, parts)]))
+    points = cloud[np.concatenate([[root_point], *parts])].astype(np.float64)
+    graph = connected_knn_graph(points, NEIGHBORS)
+    _, before = dijkstra(graph, directed=False, indices=0, return_predecessors=True)
+    before = np.maximum(before, 0)  # the path to each point; it is negative at the plant base
+    entry = chain_ends(np.where(organ[before] == organ, before, np.arange(len(organ))))
+    source = organ[before[entry]]
+    parents = np.array([np.bincount(source[organ == k]).argmax() for k in range(len(parts))])
+    attachments = [
+        points[entry[(organ == k) & (source == parent)]].mean(axis=0)
+        for k, parent in enumerate(parents)
+    ]
+    attachments[root], parents[root] = points[0], NO_PARENT
+    return np.array(attachments), parents
 
 
 def _order_along_stem(
-    distance: NDArray[np.float64], root: int, softness: float
+    distance: NDArray[np.float64], is_attached: NDArray[np.bool_], softness: float
 ) -> NDArray[np.float64]:
-    """(n,) number of organs attached nearer to the plant base, smoothed, without the root.
+    """(n,) number of attached organs nearer to the plant base, smoothed: all but the root.
 
     In a plant of many organs it is scaled down to `ORDERED_ORGANS`.
     """
@@ -135,5 +146,4 @@ def _order_along_stem(
 
     below = expit((distance[:, None] - distance) / (softness or np.inf))
     np.fill_diagonal(below, 0.0)
-    below[:, root] = 0.0
-    return np.asarray(below.sum(axis=1) * min(1.0, ORDERED_ORGANS / len(distance)))
+    return np.asarray(below @ is_attached * min(1.0, ORDERED_ORGANS / len(distance)))

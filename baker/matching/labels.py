@@ -16,8 +16,7 @@ from baker.matching.corrections import PointCorrection
 from baker.matching.merging import merge_parts
 from baker.matching.tracking import track_organs
 from baker.scans.scan import Finding
-from baker.segmentation.from_labels import coarse_hierarchies
-from baker.segmentation.hierarchy import Hierarchy, split_by_label
+from baker.segmentation.hierarchy import split_by_label
 
 Points = NDArray[np.floating]
 Labels = NDArray[np.int64]
@@ -126,18 +125,18 @@ def label_policy(
 def with_tracked_labels(
     use: LabelUse,
     clouds: Sequence[Points],
-    hierarchies: Sequence[Hierarchy],
+    organs: Sequence[Labels],
     root_points: Sequence[int],
     corrections: Sequence[PointCorrection] = (),
 ) -> LabelUse:
-    """Make labels consistent by tracking the organs; other parameters: see `track_organs`.
+    """Make labels consistent by tracking the organs of all scans; see `track_organs`.
 
     Returns `use` with the track number of every point; parts of an organ that only one scan
     divides are merged. If labels are consistent and only missing in some scans, an organ in such a
     scan gets the label of its track in the nearest scan with labels.
     """
     unlabelled = not use.available
-    tracks = track_organs(clouds, hierarchies, root_points, corrections)
+    tracks = track_organs(clouds, organs, root_points, corrections)
     if use.consistent:
         return replace(use, labels=tuple(_complete_labels(use.labels, tracks)))
     if not unlabelled:
@@ -147,8 +146,7 @@ def with_tracked_labels(
         )
         if any(map(np.any, map(np.not_equal, merged, tracks))):
             # A part may have been linked to another organ of the next scan.
-            hierarchies = coarse_hierarchies(clouds, merged, root_points)
-            tracks = track_organs(clouds, hierarchies, root_points, corrections)
+            tracks = track_organs(clouds, merged, root_points, corrections)
     return replace(use, labels=tuple(tracks), consistent=True, renamed=True, unlabelled=unlabelled)
 
 

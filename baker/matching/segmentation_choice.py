@@ -15,7 +15,6 @@ from baker.geometry.parallel import MapLike
 from baker.matching.descriptors import OrganDescriptors, describe_organs
 from baker.matching.plant_motion import plant_motions
 from baker.matching.score import matched_share
-from baker.segmentation.from_labels import coarse_hierarchies
 
 Labels = NDArray[np.int64]
 
@@ -36,8 +35,7 @@ def choose_segmentations(
     def describe(
         cloud: NDArray[np.floating], base: int, segmentations: Sequence[Labels]
     ) -> list[OrganDescriptors]:
-        scan = [cloud] * len(segmentations), segmentations, [base] * len(segmentations)
-        return [describe_organs(cloud, h, base) for h in coarse_hierarchies(*scan)]
+        return [describe_organs(cloud, labels, base) for labels in segmentations]
 
     organs = list(map(describe, clouds, bases, candidates))
     motions = plant_motions([scan[0] for scan in organs], map)

@@ -17,7 +17,6 @@ from baker.matching.corrections import PointCorrection
 from baker.matching.descriptors import describe_organs
 from baker.matching.plant_motion import plant_motions
 from baker.matching.score import MAX_PENALTY, match_penalties, match_rewards
-from baker.segmentation.hierarchy import Hierarchy
 
 PairMatrices = Mapping[tuple[int, int], NDArray[np.float64]]
 """(earlier scan, later scan) -> (n, m) scores or penalties of the pairs of their organs"""
@@ -32,21 +31,21 @@ CORRECTION_SCORE = 1e6  # of a pair that a correction links, greater than all ot
 
 def track_organs(
     clouds: Sequence[NDArray[np.floating]],
-    hierarchies: Sequence[Hierarchy],
+    labels: Sequence[NDArray[np.integer]],
     root_points: Sequence[int],
     corrections: Sequence[PointCorrection] = (),
 ) -> list[NDArray[np.int64]]:
     """Track the organs of a series by their shapes.
 
-    clouds, root_points: (N, 3) aligned points of each scan, and the index of the point at the plant
-    base. hierarchies: only a virtual root, the last segment, has no points. corrections: those of
-    kind "same" between successive scans, and of kind "different", are constraints.
+    clouds, labels, root_points: (N, 3) aligned points of each scan, their (N,) organs, and the
+    index of the point at the plant base. corrections: those of kind "same" between successive
+    scans, and of kind "different", are constraints.
 
     Returns the (N,) track number of each point. Tracks are numbered by first appearance, those that
     appear in the same scan by their distance from the plant base.
     """
-    organs = [*map(describe_organs, clouds, hierarchies, root_points)]
-    organ_of = [hierarchy.numbers() for hierarchy in hierarchies]  # of each point
+    organs = [*map(describe_organs, clouds, labels, root_points)]
+    organ_of = [np.unique(scan_labels, return_inverse=True)[1] for scan_labels in labels]
     distances = [np.linalg.norm(scan.attachments - scan.base, axis=1) for scan in organs]
     moved, motions = {}, plant_motions(organs)
     organs = [scan.about_stem() for scan in organs]

@@ -8,7 +8,6 @@ virtual, empty root.
 
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import partial
 from heapq import heappop, heappush
 
@@ -28,7 +27,6 @@ Ranks = Mapping[tuple[int, int], tuple[bool, float]]
 # docs/method.md, row 13.
 MAX_ROOT_GAP = 10.0  # point spacings from the root segment to the nearest segment
 MAX_GAP = 3.0  # point spacings between segments that touch
-COARSE_POINTS = 400  # number of points of each organ from which a coarse hierarchy is built
 
 
 def labelled_hierarchies(
@@ -61,24 +59,6 @@ def labelled_hierarchies(
         roots = [usual if usual in organs else own for organs, own in pairs]
     build = partial(hierarchy_from_labels, ranks=ranks)
     return list(map(build, clouds, labels, roots, gaps))
-
-
-def coarse_hierarchies(
-    clouds: Sequence[Points], labels: Sequence[Labels], bases: Sequence[int]
-) -> list[Hierarchy]:
-    """Build hierarchies for the tracking of organs, in which all organs are sampled equally.
-
-    clouds, labels, bases: for each scan (N, 3) points, (N,) organs, the point at the plant base.
-    The hierarchies are of all points; parents are found from `COARSE_POINTS` of each organ.
-    """
-    hierarchies = []
-    for cloud, scan_labels, base in zip(clouds, labels, bases, strict=True):
-        _, members = split_by_label(scan_labels)
-        sample = np.concatenate([organ[:: -(-len(organ) // COARSE_POINTS)] for organ in members])
-        coarse = hierarchy_from_labels(cloud[sample], scan_labels[sample], int(scan_labels[base]))
-        segments = (*members, np.empty(0, np.intp))[: len(coarse.segments)]  # a virtual root's last
-        hierarchies.append(replace(coarse, segments=segments))
-    return hierarchies
 
 
 def parent_ranks(labels: Sequence[Labels], gaps: Sequence[Gaps]) -> Ranks:

@@ -71,7 +71,7 @@ def _describe(
     square of all sizes; both are 0 for segments without points.
     """
     root_point = int(((cloud - base) ** 2).sum(axis=1).argmin())
-    organs = describe_organs(cloud, hierarchy, root_point).about_stem()
+    organs = describe_organs(cloud, hierarchy.numbers(), root_point).about_stem()
     share = np.array(list(map(len, hierarchy.segments))) / len(cloud)
     size, mean = np.zeros(len(share)), float(np.sqrt((organs.sizes**2).mean()))
     size[share > 0] = np.maximum(organs.sizes / (mean or 1.0), MIN_SIZE)

@@ -10,7 +10,6 @@ from baker.alignment.stem_base import base_point
 from baker.geometry.up_axis import Vertical
 from baker.matching.descriptors import OrganDescriptors, describe_organs
 from baker.matching.plant_motion import plant_motions
-from baker.segmentation.from_labels import coarse_hierarchies
 from tests.real.series import labelled, present, tables_of
 
 UP = Vertical.named("z")
@@ -20,8 +19,7 @@ def marked_organs(tables: list[np.ndarray]) -> list[OrganDescriptors]:
     clouds = [table[:, :3] for table in tables]
     bases = [base_point(cloud, UP) for cloud in clouds]
     labels = [table[:, 3].astype(np.int64) for table in tables]
-    scans = clouds, coarse_hierarchies(clouds, labels, bases), bases
-    return list(map(describe_organs, *scans))
+    return list(map(describe_organs, clouds, labels, bases))
 
 
 def direction(table: np.ndarray, base: np.ndarray, label: float) -> np.ndarray:

@@ -6,7 +6,6 @@ import pytest
 from baker.errors import InputError
 from baker.matching.corrections import PointCorrection
 from baker.matching.labels import MIN_AGREEMENT, label_agreement, label_policy, with_tracked_labels
-from baker.segmentation.from_labels import hierarchy_from_labels
 
 
 def growing_plant(day: int, rng: np.random.Generator):
@@ -35,11 +34,7 @@ def tracked(clouds, labels, requested="independent", corrections=()):
     bases, names = [0] * len(clouds), [f"scan {k}" for k in range(len(clouds))]
     use = label_policy(labels, names, clouds, bases, requested)
     assert not use.consistent
-    hierarchies = [
-        hierarchy_from_labels(cloud, own, int(own[0]))
-        for cloud, own in zip(clouds, labels, strict=True)
-    ]
-    use = with_tracked_labels(use, clouds, hierarchies, bases, corrections)
+    use = with_tracked_labels(use, clouds, labels, bases, corrections)
     assert use.consistent
     assert use.renamed
     return use.labels
@@ -93,11 +88,7 @@ def test_scans_without_labels_get_those_of_their_tracks(series):
     assert use.consistent
     assert "found by shape in 2 of 5 scans" in use.findings[0].sentence
     own = [given[k] if given[k] is not None else truth[k] + 7 for k in range(5)]
-    hierarchies = [
-        hierarchy_from_labels(cloud, labels, int(labels[0]))
-        for cloud, labels in zip(clouds, own, strict=True)
-    ]
-    use = with_tracked_labels(use, clouds, hierarchies, bases)
+    use = with_tracked_labels(use, clouds, own, bases)
     assert not use.renamed
     for labels, wanted in zip(use.available, numbers, strict=True):
         np.testing.assert_array_equal(labels, wanted)

@@ -8,7 +8,6 @@ from baker.matching import plant_motion
 from baker.matching.descriptors import OrganDescriptors, describe_organs
 from baker.matching.plant_motion import plant_motions
 from baker.matching.tracking import track_organs
-from baker.segmentation.from_labels import hierarchy_from_labels
 
 GOLDEN_ANGLE = 2.4  # radians between successive leaves, as of a tobacco
 LEAN = Rotation.from_euler("xyz", [55, -25, 40], degrees=True)
@@ -32,7 +31,7 @@ def spiral(leaves: int, growth: float = 1.0, seed: int = 0) -> tuple[np.ndarray,
 
 def described(points: np.ndarray, labels: np.ndarray) -> OrganDescriptors:
     root = int(np.argmin(np.linalg.norm(points, axis=1)))
-    return describe_organs(points, hierarchy_from_labels(points, labels, 0), root)
+    return describe_organs(points, labels, root)
 
 
 @pytest.mark.parametrize("leaves", [3, 6])
@@ -128,15 +127,14 @@ def test_a_plant_that_rotates_often_is_rotated_sooner(monkeypatch: pytest.Monkey
 def test_organs_keep_their_tracks_in_a_plant_that_leans() -> None:
     """Each scan leans to another side, also the one in which a leaf is hidden."""
     leans = [Rotation.identity(), LEAN, *Rotation.from_euler("xy", [[30, 0], [0, -40]], True)]
-    clouds, hierarchies, roots, truth = [], [], [], []
+    clouds, roots, truth = [], [], []
     for k, lean in enumerate(leans):
         points, labels = spiral(5, 1.1**k, seed=k)
         hidden = (labels == 2) & (k == 2)
         points, labels = lean.apply(points[~hidden]), labels[~hidden]
         clouds.append(points)
         truth.append(labels)
-        hierarchies.append(hierarchy_from_labels(points, labels, 0))
         roots.append(int(np.argmin(np.linalg.norm(points, axis=1))))
-    tracks = track_organs(clouds, hierarchies, roots)
+    tracks = track_organs(clouds, truth, roots)
     pairs = {pair for each in zip(truth, tracks, strict=True) for pair in zip(*each, strict=True)}
     assert len(pairs) == 6

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.matching.descriptors import OrganDescriptors, describe_organs
+from baker.matching.descriptors import describe_organs
 from baker.matching.score import match_scores, neighbor_displacements
 from baker.matching.tracking import (
     INDIRECT_WEIGHT,
@@ -11,7 +11,6 @@ from baker.matching.tracking import (
     chain_organs,
     track_organs,
 )
-from baker.segmentation.from_labels import hierarchy_from_labels
 from grow import plant
 
 
@@ -36,20 +35,6 @@ def series():
     return [points for points, _ in scans], [labels for _, labels in scans]
 
 
-def tracks_of(clouds, labels, roots):
-    """Each point's track; organs are the points of one label."""
-    hierarchies = [
-        hierarchy_from_labels(cloud, names, int(names[root]))
-        for cloud, names, root in zip(clouds, labels, roots, strict=True)
-    ]
-    return track_organs(clouds, hierarchies, roots)
-
-
-def described(cloud, labels, root: int) -> OrganDescriptors:
-    hierarchy = hierarchy_from_labels(cloud, labels, int(labels[root]))
-    return describe_organs(cloud, hierarchy, root)
-
-
 def shuffled(labels, seed=1):
     rng = np.random.default_rng(seed)
     return [rng.permutation(names.max() + 1)[names] for names in labels]
@@ -71,18 +56,18 @@ def assert_same_organs(truth, tracks):
 
 def test_leaves_of_a_whorl_keep_their_tracks(series):
     clouds, truth = series
-    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
 
 
 def test_backwards_the_same_organs(series):
     clouds, truth = (list(reversed(part)) for part in series)
-    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
 
 
 def test_the_up_axis_and_the_unit_do_not_matter(series):
     clouds, truth = series
     turned = [cloud[:, [1, 2, 0]] * 0.001 + 7.0 for cloud in clouds]
-    assert_same_organs(truth, tracks_of(turned, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, track_organs(turned, shuffled(truth), feet(clouds)))
 
 
 @pytest.mark.parametrize("scans", [(2,), (2, 3)])
@@ -91,7 +76,7 @@ def test_an_organ_hidden_in_a_scan_comes_back_as_itself(series, scans):
     for scan in scans:
         seen = truth[scan] != 1
         clouds[scan], truth[scan] = clouds[scan][seen], truth[scan][seen]
-    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
 
 
 def stem_with_leaves(*leaves: tuple[float, float, float]):
@@ -111,7 +96,7 @@ def test_a_leaf_that_turns_is_not_the_one_that_comes_in_its_place(azimuth):
     before, after = (0, 15, 3), (azimuth, 15, 3)
     scans = [(*others, before), (*others, after), (*others, after, before)]
     clouds, truth = zip(*(stem_with_leaves(*leaves) for leaves in scans), strict=True)
-    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
 
 
 def test_half_a_leaf_is_still_the_leaf(series):
@@ -119,12 +104,12 @@ def test_half_a_leaf_is_still_the_leaf(series):
     reach = np.abs(clouds[2][:, 0])
     seen = (truth[2] != 2) | (reach < np.median(reach[truth[2] == 2]))
     clouds[2], truth[2] = clouds[2][seen], truth[2][seen]
-    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
 
 
 def test_numbers_go_by_first_appearance(series):
     clouds, truth = series
-    tracks = tracks_of(clouds, shuffled(truth), feet(clouds))
+    tracks = track_organs(clouds, shuffled(truth), feet(clouds))
     highest = -1
     for numbers in tracks:
         assert numbers.dtype == np.int64
@@ -139,7 +124,7 @@ def test_plants_that_grow(kind):
     days = subject.default_days[::2]
     scans = [subject.cloud(day, 4000, colors=False) for day in days]
     clouds, truth = [s.points for s in scans], [s.labels for s in scans]
-    tracks = tracks_of(clouds, shuffled(truth), feet(clouds))
+    tracks = track_organs(clouds, shuffled(truth), feet(clouds))
     right, shared = 0, 0
     for k in range(1, len(days)):
         for organ in np.intersect1d(truth[k - 1], truth[k]):
@@ -153,13 +138,13 @@ def test_plants_that_grow(kind):
 def test_a_handful_of_points(labels):
     points = np.arange(3.0 * len(labels)).reshape(-1, 3)
     names = np.array(labels)
-    tracks = tracks_of([points, points, points], [names] * 3, [0, 0, 0])
+    tracks = track_organs([points, points, points], [names] * 3, [0, 0, 0])
     assert all(np.array_equal(tracks[0], later) for later in tracks)
 
 
 def test_worth_is_the_same_both_ways(series):
     clouds, truth = series
-    young, old = (described(clouds[k], truth[k], 0) for k in (1, 3))
+    young, old = (describe_organs(clouds[k], truth[k], 0) for k in (1, 3))
     there, back = match_scores(young, old), match_scores(old, young)
     assert np.array_equal(there, back.T)
     assert (there.argmax(axis=1) == np.arange(len(young))).all()
@@ -168,9 +153,11 @@ def test_worth_is_the_same_both_ways(series):
 def test_an_organ_that_shrinks_scores_less_than_one_that_stays_or_grows():
     stem = np.linspace([0, 0, 0], [0, 0, 30], 200)
 
-    def scan(*lengths):
-        leaves = [np.linspace([0, 0, 15], [length, 0, 15], 100) for length in lengths]
-        return described(np.concatenate([stem, *leaves]), np.repeat([0, 1, 2], [200, 100, 100]), 0)
+    def scan(length, opposite):
+        leaves = [np.linspace([0, 0, 15], [end, 0, 15], 100) for end in (length, -opposite)]
+        return describe_organs(
+            np.concatenate([stem, *leaves]), np.repeat([0, 1, 2], [200, 100, 100]), 0
+        )
 
     before = scan(10.0, 10.0)
     scores = [match_scores(before, scan(later, 16.0))[1, 1] for later in (6.0, 8.0, 10.0, 16.0)]
@@ -184,7 +171,7 @@ def leaf_direction(azimuth: float, elevation: float) -> np.ndarray:
     base = np.array([0.0, 0.0, 15.0])
     tip = base + 12.0 * np.array([np.cos(a) * np.cos(e), np.sin(a) * np.cos(e), np.sin(e)])
     points = np.concatenate([np.linspace([0, 0, 0], [0, 0, 30], 200), np.linspace(base, tip, 80)])
-    return described(points, np.repeat([0, 1], [200, 80]), 0).about_stem().directions[1]
+    return describe_organs(points, np.repeat([0, 1], [200, 80]), 0).about_stem().directions[1]
 
 
 @pytest.mark.parametrize("degrees", [20, 50, 70])
@@ -197,7 +184,7 @@ def test_a_leaf_that_droops_changes_less_than_one_that_turns(degrees):
 def test_directions_about_the_stem_follow_the_plant():
     """A plant that lies on the ground has the same directions about its stem."""
     points, labels = whorl(3, np.random.default_rng(0))
-    organs, motion = described(points, labels, 0), np.eye(4)
+    organs, motion = describe_organs(points, labels, 0), np.eye(4)
     motion[:3, :3] = [[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]
     fallen = organs.transformed(motion).about_stem().directions
     np.testing.assert_allclose(fallen, organs.about_stem().transformed(motion).directions)
@@ -260,9 +247,9 @@ def test_organs_are_ordered_only_along_a_stem_that_carries_many():
     cloud = np.concatenate([np.linspace(a, b, 50) for a, b in ends])
     names = np.repeat(np.arange(len(ends)), 50)
     one_leaf = names <= 4
-    order = described(cloud[one_leaf], names[one_leaf], 0).order
+    order = describe_organs(cloud[one_leaf], names[one_leaf], 0).order
     assert order[2] > order[1]
-    assert not described(cloud, names, 0).order.any()
+    assert not describe_organs(cloud, names, 0).order.any()
 
 
 def compound_leaf(elevation: float, rng: np.random.Generator):
@@ -281,21 +268,21 @@ def test_leaflets_keep_their_tracks_where_their_leaf_sinks_and_rises():
     rng = np.random.default_rng(5)
     scans = [compound_leaf(elevation, rng) for elevation in (60.0, 40.0, 60.0, 40.0)]
     clouds, truth = ([scan[part] for scan in scans] for part in (0, 1))
-    assert_same_organs(truth, tracks_of(clouds, shuffled(truth), feet(clouds)))
+    assert_same_organs(truth, track_organs(clouds, shuffled(truth), feet(clouds)))
 
 
 def test_known_pairs_tell_where_the_others_have_moved():
     """However far they have moved together, and either way round."""
     rng = np.random.default_rng(2)
     cloud, labels = whorl(3, rng)
-    young = described(cloud, labels, 0)
-    old = described(cloud + np.array([30.0, 0.0, 0.0]), labels, 0)
+    young = describe_organs(cloud, labels, 0)
+    old = describe_organs(cloud + np.array([30.0, 0.0, 0.0]), labels, 0)
     pairs = [(i, i) for i in range(len(young))]
     apart, together = match_scores(young, old)[2, 2], match_scores(young, old, pairs)[2, 2]
     assert together > apart
     crossed = [*pairs[:-2], (4, 5), (5, 4)]
     assert match_scores(young, old, crossed)[2, 2] == pytest.approx(together, abs=0.1)
-    grown = described(1.5 * cloud, labels, 0)
+    grown = describe_organs(1.5 * cloud, labels, 0)
     there, back = match_scores(young, grown, pairs), match_scores(grown, young, pairs)
     np.testing.assert_allclose(there, back.T)
 
@@ -304,8 +291,8 @@ def test_a_wrong_pair_neither_confirms_itself_nor_misleads_its_neighbors():
     at = np.array([[0.0, 0.0, 0.0], [0, 0, 4], [0, 0, 8], [0, 0, 12], [0, 0, 16]])
     leaves = [point + np.linspace([0, 0, 0], [9, 0, 0], 40) for point in at]
     labels = np.repeat(np.arange(5), 40)
-    young = described(np.concatenate(leaves), labels, 0)
-    old = described(np.concatenate(leaves) + np.array([0, 1, 0]), labels, 0)
+    young = describe_organs(np.concatenate(leaves), labels, 0)
+    old = describe_organs(np.concatenate(leaves) + np.array([0, 1, 0]), labels, 0)
     right, wrong = [(i, i) for i in range(5)], [(0, 0), (1, 1), (2, 4), (3, 3)]
     expected = neighbor_displacements(young, old, np.array(right), 5.0)
     misled = neighbor_displacements(young, old, np.array(wrong), 5.0)
