@@ -14,9 +14,9 @@ Indices = NDArray[np.intp]
 
 # docs/method.md, "Organs without labels".
 SCORE_SHIFTS = (0.0, -0.15, 0.25)  # added to the scores of blades, one for each segmentation
-MIN_TOUCHING_SHARE = 0.4  # of the points of a strip, except for its base, that touch its organ
+MIN_TOUCHING_SHARE = 0.6  # of the length of a strip, except for its base, that touches its organ
 MAX_GAP = 3.0  # point spacings between points that touch
-BASE_LENGTH = 2.0  # of an organ, where it touches its parent; in thicknesses of a level set
+BASE_LENGTH = 3.0  # of an organ, where it touches its parent; in thicknesses of a level set
 MAX_BASE_SHARE = 0.5  # of the base in an organ's length, so that short ones have points beyond it
 MIN_REACH = 1.3  # of the point of an organ farthest from all other organs, in stem diameters
 
@@ -55,17 +55,25 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
     adjacency = sample.graph.copy()
     adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)
     adjacency = adjacency + adjacency.T
+    level = sample.level
     while True:
         m = organ.max() + 1
         is_of = csr_matrix(organ[:, None] == np.arange(m), dtype=np.float64)  # (n, m) indicators
         base, tip, *_ = extrema(sample.distance, organ, np.arange(m))
         base_length = np.minimum(BASE_LENGTH * sample.thickness, MAX_BASE_SHARE * (tip - base))
-        is_beyond = sample.distance > (base + base_length)[organ]
-        size, beyond_size = (np.bincount(part, minlength=m) for part in (organ, organ[is_beyond]))
-        # (m, m) number of points of the row's organ that touch the column's
-        touching = (is_of[is_beyond].T @ (adjacency @ is_of > 0.0)[is_beyond]).toarray()
+        beyond = np.flatnonzero(sample.distance > (base + base_length)[organ])
+        of_organ, _ = np.unique(np.stack([organ[beyond], level[beyond]]), axis=1)
+        point, other = (adjacency @ is_of)[beyond].nonzero()
+        at = beyond[point]
+        of_pair, _, touched = np.unique(np.stack([organ[at], level[at], other]), axis=1)
+        length = np.bincount(of_organ, minlength=m)  # in level sets, without the base
+        touching = np.zeros(
+            (m, m)
+        )  # number of level sets of the row's organ that touch the column's
+        np.add.at(touching, (of_pair, touched), 1)
+        size, beyond_size = (np.bincount(part, minlength=m) for part in (organ, organ[beyond]))
         is_smaller = beyond_size[:, None] <= size
-        is_strip = is_smaller & (touching > MIN_TOUCHING_SHARE * beyond_size[:, None])
+        is_strip = is_smaller & (touching > MIN_TOUCHING_SHARE * length[:, None])
         is_strip[STEM] = False
         np.fill_diagonal(is_strip, False)
         if not is_strip.any():

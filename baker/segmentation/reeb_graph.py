@@ -32,7 +32,7 @@ MIN_POINTS, MIN_POINTS_OF_SECTION = 30, 6  # to measure the stem: of the sample,
 FIRST_DIAMETER, MIN_DIAMETER = 8.0, 2.75  # of the fixed-point iteration, in point spacings
 SHIFTS = 0.0, 0.25, 0.5, 0.75  # of the sets of sections that it measures, in their thicknesses
 MAX_ITERATIONS, MAX_CHANGE = 15, 0.02  # of that iteration; relative change at which it ends
-MAX_HOLE = 5.0  # length of a loop that is a hole in the scan, in stem diameters
+MAX_HOLE = 1.0  # length of a loop that is a hole in the scan, in stem diameters
 
 
 @dataclass(frozen=True)
@@ -51,6 +51,11 @@ class PlantSample:
     def thickness(self) -> float:
         """The thickness of a level set of the distance."""
         return LEVEL_THICKNESS * self.spacing
+
+    @property
+    def level(self) -> NDArray[np.intp]:
+        """(n,) level set of each point, from 0 on."""
+        return (self.distance / self.thickness).astype(np.intp)
 
 
 @dataclass(frozen=True)
@@ -73,8 +78,8 @@ class ReebTree:
 
 def reeb_tree(sample: PlantSample) -> ReebTree:
     """Compute the Reeb graph of the geodesic distance from the base, with its loops cut."""
-    level = (sample.distance / sample.thickness).astype(np.intp)
-    node, parent, depth = np.full(len(level), -1), list[int](), list[int]()
+    level, parent, depth = sample.level, list[int](), list[int]()
+    node = np.full(len(level), -1)
     # On the shortest path to each point, the point where it enters the level set of that point.
     previous = sample.predecessor
     is_inside = (previous >= 0) & (level[previous] == level)
