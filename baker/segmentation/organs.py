@@ -45,35 +45,31 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
     """Merge organs that touch another organ along most of their length, the smallest first.
 
     Such an organ is a strip of the one it touches: in sparse scans, a blade or stem with a gap
-    seems to fork there. Separate organs touch their parent only at the base.
+    seems to fork there. Separate organs touch their parent only at the base. Lengths are numbers
+    of level sets.
 
     organ: (n,) of each point of the sample; 0 is the stem.
     """
     from scipy.ndimage import extrema
-    from scipy.sparse import csr_matrix
+    from scipy.sparse import csr_matrix, identity
 
     adjacency = sample.graph.copy()
     adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)
-    adjacency = adjacency + adjacency.T
-    level = sample.level
+    adjacency = adjacency + adjacency.T + identity(len(organ), format="csr")
     while True:
         m = organ.max() + 1
         is_of = csr_matrix(organ[:, None] == np.arange(m), dtype=np.float64)  # (n, m) indicators
         base, tip, *_ = extrema(sample.distance, organ, np.arange(m))
         base_length = np.minimum(BASE_LENGTH * sample.thickness, MAX_BASE_SHARE * (tip - base))
         beyond = np.flatnonzero(sample.distance > (base + base_length)[organ])
-        of_organ, _ = np.unique(np.stack([organ[beyond], level[beyond]]), axis=1)
-        point, other = (adjacency @ is_of)[beyond].nonzero()
-        at = beyond[point]
-        of_pair, _, touched = np.unique(np.stack([organ[at], level[at], other]), axis=1)
-        length = np.bincount(of_organ, minlength=m)  # in level sets, without the base
-        touching = np.zeros(
-            (m, m)
-        )  # number of level sets of the row's organ that touch the column's
-        np.add.at(touching, (of_pair, touched), 1)
         size, beyond_size = (np.bincount(part, minlength=m) for part in (organ, organ[beyond]))
+        row, other = (adjacency @ is_of)[beyond].nonzero()
+        own, level = organ[beyond[row]], sample.level[beyond[row]]
+        own, _, other = np.unique(np.stack([own, level, other]), axis=1)
+        touching = np.zeros((m, m))  # length of the row's organ, beyond its base, on the column's
+        np.add.at(touching, (own, other), 1.0)
         is_smaller = beyond_size[:, None] <= size
-        is_strip = is_smaller & (touching > MIN_TOUCHING_SHARE * length[:, None])
+        is_strip = is_smaller & (touching > MIN_TOUCHING_SHARE * touching.diagonal()[:, None])
         is_strip[STEM] = False
         np.fill_diagonal(is_strip, False)
         if not is_strip.any():

@@ -42,5 +42,5 @@ def test_organs_are_described_in_the_order_of_their_labels():
 
 
 def test_an_organ_that_touches_nothing_is_attached_across_the_gap():
-    organs = described(STEM, LOWER + [3, 0, 0])
+    organs = described(STEM, np.add(LOWER, [3, 0, 0]))
     np.testing.assert_allclose(organs.attachments[1], [3, 0, 6], atol=0.2)
