@@ -60,6 +60,18 @@ def test_sparse_points_at_random_do_not_make_more_organs(density):
     assert np.mean(right) > 0.9
 
 
+@pytest.mark.parametrize("offset", [0.3, 0.6, 0.9])
+def test_a_slit_in_a_blade_does_not_divide_it(offset):
+    """The strip beside the slit is so broad that most of its points are not at the slit."""
+    points, truth = seedling(1, density=100.0)
+    away = np.array([np.cos(2.1), np.sin(2.1), 0.0])
+    along, across = points @ away, points @ [-away[1], away[0], 0.0]
+    slit = (truth == 1) & (along < 5.0) & (abs(across - offset) < 0.1)
+    found = organs(points[~slit])
+    assert len(np.unique(found)) == 2
+    assert mean_overlap(truth[~slit], found) > 0.9
+
+
 def test_an_uneven_density_does_not_matter():
     points, truth = seedling(density=100.0)
     rng = np.random.default_rng(2)
