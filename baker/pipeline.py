@@ -222,6 +222,7 @@ def _segment(
         aligned.neighbors,
         consistent=labels.consistent,
         same_parents=not options.paper,
+        found=labels.unlabelled,
         virtual_root=options.root == "virtual",
         map=map,
     )

@@ -1,16 +1,14 @@
 """Describe the organs of a scan for matching: attachment point, size, direction, order."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.graph import chain_ends, connected_knn_graph
-from baker.segmentation.hierarchy import NO_PARENT, split_by_label
+from baker.segmentation.hierarchy import split_by_label
+from baker.segmentation.organ_entries import organ_entries
 
 SAMPLE_SIZE = 128  # number of points of an organ from which its descriptors are computed
-PATH_POINTS, NEIGHBORS = 400, 10  # of an organ, in the kNN graph for shortest paths
 AXIAL_WEIGHT = 0.35  # of the component of directions along the stem, in `about_stem`
 ORDER_SOFTNESS = 0.025  # width of the step between "above" and "below", in organ sizes
 MIN_CARRIED = 0.4  # share of the other organs that grow from one organ, such as a stem
@@ -75,9 +73,11 @@ def describe_organs(
     cloud, labels: (N, 3) points and (N,) organs. root_point: index of the point at the plant base.
     """
     _, members = split_by_label(labels)
-    samples = [cloud[_sample(organ, SAMPLE_SIZE)].astype(np.float64) for organ in members]
-    base = cloud[root_point].astype(np.float64)
-    attachments, parents = _attachments(cloud, members, root_point)
+    steps = [-(-len(organ) // SAMPLE_SIZE) for organ in members]
+    samples = [cloud[o[::k]].astype(np.float64) for o, k in zip(members, steps, strict=True)]
+    base, entries = cloud[root_point].astype(np.float64), organ_entries(cloud, labels, root_point)
+    attachments, parents = entries.attachments()
+    is_attached = np.arange(len(members)) != entries.root
     offsets = [sample - point for sample, point in zip(samples, attachments, strict=True)]
     sizes = np.array([np.sqrt((offset**2).sum(axis=1).mean()) for offset in offsets])
     mean = np.array([offset.mean(axis=0) for offset in offsets])
@@ -85,54 +85,17 @@ def describe_organs(
     distance = np.linalg.norm(attachments - base, axis=1)
     softness = ORDER_SOFTNESS * float(np.sqrt((sizes**2).mean()))
     # Without a stem that carries many organs, as where leaflets are organs, there is no order.
-    children = np.bincount(parents[parents != NO_PARENT], minlength=1)
+    children = np.bincount(parents[is_attached], minlength=1)
     has_stem = children.max() >= MIN_CARRIED * children.sum()
     return OrganDescriptors(
         samples=samples,
         attachments=attachments,
         sizes=sizes,
         directions=np.divide(mean, length, out=np.zeros_like(mean), where=length > 0),
-        order=_order_along_stem(distance, parents != NO_PARENT, softness) * has_stem,
+        order=_order_along_stem(distance, is_attached, softness) * has_stem,
         height=distance / max(distance.max(), np.finfo(float).tiny),
         base=base,
     )
-
-
-def _sample(members: NDArray[np.intp], count: int) -> NDArray[np.intp]:
-    """Every k-th index, with the smallest k that leaves at most `count` of them."""
-    return members[:: -(-len(members) // count)]
-
-
-def _attachments(
-    cloud: NDArray[np.floating], members: Sequence[NDArray[np.intp]], root_point: int
-) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
-    """Where organs are attached, and to which organs, by the shortest paths from the plant base.
-
-    An organ's parent is the organ from which most of the paths to its points enter it, and its
-    attachment point is the mean of the points at which they do. So where its tip touches another
-    organ, it is still attached at its own base.
-
-    members: n arrays of indices of points. Returns the (n, 3) attachment points, of the root the
-    plant base, and the (n,) parents, of the root `NO_PARENT`.
-    """
-    from scipy.sparse.csgraph import dijkstra
-
-    parts = [_sample(organ, PATH_POINTS) for organ in members]
-    root = next(index for index, points in enumerate(members) if root_point in points)
-    organ = np.append(root, np.repeat(np.arange(len(parts)), [*map(len, parts)]))
-    points = cloud[np.concatenate([[root_point], *parts])].astype(np.float64)
-    graph = connected_knn_graph(points, NEIGHBORS)
-    _, before = dijkstra(graph, directed=False, indices=0, return_predecessors=True)
-    before = np.maximum(before, 0)  # the path to each point; it is negative at the plant base
-    entry = chain_ends(np.where(organ[before] == organ, before, np.arange(len(organ))))
-    source = organ[before[entry]]
-    parents = np.array([np.bincount(source[organ == k]).argmax() for k in range(len(parts))])
-    attachments = [
-        points[entry[(organ == k) & (source == parent)]].mean(axis=0)
-        for k, parent in enumerate(parents)
-    ]
-    attachments[root], parents[root] = points[0], NO_PARENT
-    return np.array(attachments), parents
 
 
 def _order_along_stem(

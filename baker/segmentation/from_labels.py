@@ -18,6 +18,7 @@ from baker.geometry.graph import Gaps, segment_gaps
 from baker.geometry.neighbors import Neighbors
 from baker.geometry.parallel import MapLike
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
+from baker.segmentation.organ_entries import organ_entries
 
 Points = NDArray[np.floating]
 Labels = NDArray[np.integer]
@@ -37,6 +38,7 @@ def labelled_hierarchies(
     *,
     consistent: bool,
     same_parents: bool,
+    found: bool,
     virtual_root: bool,
     map: MapLike = map,
 ) -> list[Hierarchy]:
@@ -44,14 +46,17 @@ def labelled_hierarchies(
 
     clouds, labels, bases, neighbors: for each scan (N, 3) points, (N,) labels, the point at the
     plant base, `Neighbors`. consistent: whether an organ has the same label in all scans; they then
-    have the same root. same_parents: whether it has the same parent in all scans, too.
+    have the same root. same_parents: whether it has the same parent in all scans, too. found:
+    whether organs were found by shape; their parents are then those from which the shortest paths
+    from the plant base enter them, since their borders are not precise enough for gaps.
     virtual_root: whether no label is the stem: all segments become children of an empty root.
     map: maps over the scans.
     """
     if virtual_root:
         return [under_virtual_root(scan_labels) for scan_labels in labels]
     gaps = list(map(segment_gaps, clouds, labels, neighbors))
-    ranks = parent_ranks(labels, gaps) if consistent and same_parents else None
+    distances = list(map(entry_distances, clouds, labels, bases)) if found else gaps
+    ranks = parent_ranks(labels, distances) if consistent and same_parents else None
     roots = [int(scan_labels[base]) for scan_labels, base in zip(labels, bases, strict=True)]
     if consistent:  # in a late scan, a drooping leaf may hang lower than the base of the stem
         usual = Counter(roots).most_common(1)[0][0]
@@ -59,6 +64,19 @@ def labelled_hierarchies(
         roots = [usual if usual in organs else own for organs, own in pairs]
     build = partial(hierarchy_from_labels, ranks=ranks)
     return list(map(build, clouds, labels, roots, gaps))
+
+
+def entry_distances(cloud: Points, labels: Labels, base: int) -> Gaps:
+    """Share of the shortest paths to an organ that do not enter it from a possible parent.
+
+    cloud, labels, base: (N, 3) points, (N,) labels, the point at the plant base. Returns it for
+    each pair (organ, possible parent) of labels for which it is less than 1.
+    """
+    entries = organ_entries(cloud, labels, base)
+    shares = entries.shares()
+    pairs = np.argwhere(shares > 0.0).tolist()
+    names = entries.labels
+    return {(names[a], names[b]): 1.0 - float(shares[a, b]) for a, b in pairs if a != b}
 
 
 def parent_ranks(labels: Sequence[Labels], gaps: Sequence[Gaps]) -> Ranks:
