@@ -42,17 +42,9 @@ def with_colors(
 ) -> list[Keyframe]:
     """Set the colours of keyframes.
 
-    Parameters
-    ----------
-    keyframes, scans, hierarchies : sequences of Keyframe, Scan and Hierarchy
-        Scans are as they were read.
-    colors : {"scan", "segment", "none"}
-        "segment" colours segments by their numbers (or labels) in each scan, so that the colours of
-        matched segments are interpolated over time and show the matching (the paper's Figure 8).
-
-    Returns
-    -------
-    list of Keyframe
+    scans: as they were read. colors: "scan", "none" or "segment", which colours segments by their
+    numbers (or labels) in each scan, so that the colours of matched segments are interpolated over
+    time and show the matching (the paper's Figure 8).
     """
     if colors == "scan":
         return list(keyframes)
@@ -72,11 +64,8 @@ def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequen
 
     Movers of an organ that only one of the two scans shows have its values there at both ends.
 
-    Parameters
-    ----------
-    clip : Clip
-    clouds, scans : sequences of (N, 3) float32 ndarray and Scan
-        Aligned, relative to the clip's origin; with `scalars` of the same names.
+    clouds: (N, 3) aligned points of each scan, relative to the clip's origin. scans: with `scalars`
+    of the same names.
     """
     from scipy.spatial import cKDTree
 

@@ -11,7 +11,6 @@ from itertools import chain, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import point_spacing
 from baker.interpolation.spine import (
     MIN_POINTS_FOR_SPINE,
     Points,
@@ -107,7 +106,7 @@ class OrganShape:
     spine: Spine
     attachment: Points  # (3,)
     lengths: NDArray[np.float64]  # (n,) geodesic distances from the plant base
-    # organ that grows from it, or touches it if it is the stem -> index of the nearest point
+    # organ that grows from it -> index of the point where it does
     nodes: dict[int, int] = field(default_factory=dict)
 
     @property
@@ -132,7 +131,6 @@ def organ_shapes(
     from scipy.spatial import cKDTree
 
     shapes: dict[int, OrganShape] = {}
-    stem_tree, max_gap = None, 0.0  # of the stem's points, and between these and organs that touch
     lineages = ((segment, *hierarchy.ancestors(segment)) for segment in segments)
     needed = set(chain.from_iterable(lineages))
     for segment in hierarchy.parents_first():
@@ -149,13 +147,6 @@ def organ_shapes(
             gaps, touched = cKDTree(parent_shape.points).query(sample[seeds])
             offsets = parent_shape.lengths[touched] + gaps
             parent_shape.nodes[organ] = int(touched[np.argmin(offsets)])
-        if parent == NO_PARENT:
-            stem_tree, max_gap = cKDTree(sample), MAX_STEP * point_spacing(sample)
-        elif parent != hierarchy.root and stem_tree is not None:
-            # It may grow from the stem although its parent is nearer.
-            gaps, touched = stem_tree.query(sample)
-            if gaps.min() < max_gap:
-                shapes[hierarchy.organs[hierarchy.root]].nodes[organ] = int(touched[gaps.argmin()])
         lengths = path_lengths(sample, seeds, offsets)
         attachment = sample[seeds[np.argmin(offsets)]]
         spine = fit_spine(sample, lengths)

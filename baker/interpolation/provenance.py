@@ -23,18 +23,8 @@ PACKAGES = ("numpy", "scipy", "numba")  # on which the numbers in every clip dep
 def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -> tuple[Track, ...]:
     """Make the tracks of a clip, named by corrections, by the labels of the scans, or by number.
 
-    Parameters
-    ----------
-    series : Series
-        The scans that were baked.
-    organs : sequence of Organ
-        The root first.
-    labels : LabelUse
-
-    Raises
-    ------
-    InputError
-        If a correction gives an organ the name of another one.
+    series: the scans that were baked. organs: the root first. Raises InputError if a correction
+    gives an organ the name of another one.
     """
     by_label, scans = labels.are_names, series.scans
     times = [*(scan.time for scan in scans), None]
@@ -79,14 +69,8 @@ def describe_provenance(
 ) -> dict[str, Any]:
     """The provenance of a clip: everything needed to bake it again (docs/format.md).
 
-    Parameters
-    ----------
-    raw, series : Series
-        All scans as they were read, and the scans that were baked.
-    alignment, labels, hierarchies
-        Of all scans; of those that were baked.
-    options : Options
-        As the user gave them.
+    raw, series: all scans as they were read, and the scans that were baked. alignment: of all
+    scans. labels, hierarchies: of those that were baked. options: as the user gave them.
     """
     baked_times = {scan.time for scan in series.scans}
     left_out = [scan.name for scan in raw.scans if scan.time not in baked_times]

@@ -100,19 +100,9 @@ class Organ:
 def chain_matches(matches: Sequence[Match], consistent: bool) -> tuple[list[Organ], list[Match]]:
     """Chain the matches of successive intervals into organs.
 
-    Parameters
-    ----------
-    matches : sequence of Match
-        Of successive intervals.
-    consistent : bool
-        Whether labels are consistent: a lost organ that reappears is then the same organ.
-
-    Returns
-    -------
-    organs : list of Organ
-        By first appearance, the root first.
-    matches : list of Match
-        With the organs of the segments in their hierarchies.
+    consistent: whether labels are consistent: a lost organ that reappears is then the same organ.
+    Returns the organs by first appearance, the root first, and the matches with the organs of the
+    segments in their hierarchies.
     """
     organs: list[Organ] = []
     organ_of_label: dict[int | None, int] = {}

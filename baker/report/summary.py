@@ -15,16 +15,8 @@ def summary_lines(
 ) -> list[str]:
     """Summarise a clip, which was written to `path`, in aligned lines of text.
 
-    Parameters
-    ----------
-    clip : Clip
-    path : Path
-    seconds : dict
-        The duration of each stage.
-    cached : str
-        How many intervals came from a cache, "" where there is none.
-    verbose : bool
-        Whether to add details of the transport and of the stages.
+    seconds: the duration of each stage. cached: how many intervals came from a cache, "" where
+    there is none. verbose: whether to add details of the transport and of the stages.
     """
     pairs = [pair for interval in clip.intervals for pair in interval.segments]
     events, solvers = Counter(p.event for p in pairs), Counter(p.solver for p in pairs if p.solver)

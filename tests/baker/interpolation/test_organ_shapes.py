@@ -28,23 +28,6 @@ def test_a_leaf_is_measured_from_its_stem() -> None:
     assert shapes[11].lengths.min() == pytest.approx(60, abs=8)
 
 
-@pytest.mark.parametrize("gap", [0.0, 40.0])
-def test_a_leaf_beside_the_stem_is_a_landmark_of_it_although_its_parent_is_a_leaf(gap) -> None:
-    """Its parent, the nearest organ, is uncertain where organs were found without labels."""
-    stem, leaf = rod(500, 0)[:, [2, 1, 0]], rod(300, 1) + np.array([2.0, 0.0, 60.0])
-    other = rod(300, 2)[:, [1, 0, 2]] + np.array([gap, 3.0, 58.0])
-    cloud = np.concatenate([stem, leaf, other])
-    parts = np.arange(500), np.arange(500, 800), np.arange(800, 1100)
-    hierarchy = Hierarchy(parts, (0, 1, 2), (NO_PARENT, 0, 1), 0, organs=(10, 11, 12))
-    attachments = {11: leaf[:1], 12: other[:1]}
-    shapes = organ_shapes(cloud, hierarchy, np.zeros(3), attachments, range(3))
-    assert set(shapes) == {10, 11, 12}
-    assert set(shapes[10].nodes) == ({11, 12} if gap == 0.0 else {11})
-    assert set(shapes[11].nodes) == {12}
-    if gap == 0.0:
-        assert shapes[10].points[shapes[10].nodes[12], 2] == pytest.approx(58.0, abs=4.0)
-
-
 def test_what_is_attached_nowhere_has_no_shape() -> None:
     cloud = np.concatenate([rod(100, 0), rod(100, 1)]).astype(np.float32)
     parts = np.arange(100), np.arange(100, 200)

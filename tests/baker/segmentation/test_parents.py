@@ -28,7 +28,7 @@ def series(*scans):
     return clouds, labels
 
 
-def bearers(scans, same_parents=True):
+def bearers(scans, same_parents=True, found=False):
     """Of each scan, by label, the label of what bears it."""
     clouds, labels = series(*scans)
     found = labelled_hierarchies(
@@ -38,6 +38,7 @@ def bearers(scans, same_parents=True):
         [nearest_neighbors(cloud) for cloud in clouds],
         consistent=True,
         same_parents=same_parents,
+        found=found,
         virtual_root=False,
     )
     return [
@@ -57,6 +58,12 @@ def test_an_organ_that_touches_another_once_stays_on_its_bearer():
     assert bearers([USUAL, TOUCHING], same_parents=False)[1][2] == 1
     for order in ([USUAL, TOUCHING], [TOUCHING, USUAL], [USUAL, TOUCHING, USUAL]):
         assert all(scan == {0: None, 1: 0, 2: 0} for scan in bearers(order))
+
+
+def test_organs_that_were_found_by_shape_hang_where_most_paths_enter_them():
+    """In every scan the leaf's tip is nearer to another leaf than its base is to the stem."""
+    assert bearers([TOUCHING, TOUCHING])[0] == {0: None, 1: 0, 2: 1}
+    assert bearers([TOUCHING, TOUCHING], found=True)[0] == {0: None, 1: 0, 2: 0}
 
 
 def test_nothing_grows_from_what_is_younger():
