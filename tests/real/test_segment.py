@@ -4,6 +4,7 @@ import numpy as np
 import plyfile
 import pytest
 
+from baker import Options, bake
 from baker.alignment.stem_base import base_point
 from baker.geometry.up_axis import Vertical
 from baker.matching.segmentation_choice import choose_segmentations
@@ -40,6 +41,14 @@ def test_organs_overlap_with_those_marked(series, name):
     scans = zip(tables, found, strict=True)
     overlap = [share for scan in scans for share in overlaps(*scan, name)]
     assert np.mean(overlap) > (0.75 if name == GROWN else 0.8)
+
+
+@pytest.mark.parametrize("name", present("tobacco_control_plant1"))
+def test_leaves_found_by_shape_grow_from_the_stem(series, name):
+    """The blade of one of them is nearer to another leaf than its own base is to the stem."""
+    clip = bake(series(name), Options(align="none", labels="ignore"))
+    parents = [track.parent for track in clip.track_table]
+    assert parents == [None, *[0] * (len(parents) - 1)]
 
 
 @pytest.mark.parametrize("name", present(*SERIES))

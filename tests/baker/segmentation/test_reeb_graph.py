@@ -56,26 +56,32 @@ def test_a_hole_in_the_stem_makes_no_branches():
     assert max(map(max, filter(None, beside)), default=0.0) < 1.5 * sample.diameter
 
 
-def test_leaves_that_touch_stay_two():
+@pytest.mark.parametrize("reach", [1.0, 4.0])
+def test_leaves_that_touch_stay_two(reach):
     """Two arms that meet at their tips: a loop too long for a hole is cut where they meet."""
     rng = np.random.default_rng(0)
-    stem = tube([0, 0, 0], [0, 0, 8], 1.0, 60, rng)
-    arms = [tube([0.2 * side, 0, 8], [4 * side, 0, 12], 0.8, 60, rng) for side in (-1, 1)] + [
-        tube([4 * side, 0, 12], [0.05 * side, 0, 16], 0.8, 60, rng) for side in (-1, 1)
+    stem, top = tube([0, 0, 0], [0, 0, 8], 1.0, 60, rng), 8 + 2 * reach
+    arms = [
+        tube(*ends, 0.2 * reach, 60, rng)
+        for side in (-1, 1)
+        for ends in (
+            ([0.2 * side, 0, 8], [reach * side, 0, 8 + reach]),
+            ([reach * side, 0, 8 + reach], [0.05 * side, 0, top]),
+        )
     ]
     sample = sample_of(np.vstack([stem, *arms]))
     tree = reeb_tree(sample)
     branch = np.zeros(len(tree.parent), int)
     for node, parent in enumerate(tree.parent):
         beside = tree.children[parent] if parent >= 0 else []
-        arms = [child for child in beside if tree.tip_distance[child] > 4]
+        arms = [child for child in beside if tree.tip_distance[child] > reach]
         branch[node] = node if node in arms and len(arms) > 1 else branch[max(parent, 0)]
-    high = (sample.points[:, 2] > 10) & (sample.points[:, 2] < 15)
+    high = (sample.points[:, 2] > 8 + 0.5 * reach) & (sample.points[:, 2] < top - 0.25 * reach)
     left, right = (branch[tree.node][high & (s * sample.points[:, 0] > 0)] for s in (-1, 1))
     values = np.unique(left)
     assert len(values) == 1
     assert values[0] not in right
-    tips = (sample.points[:, 2] > 15) & (abs(sample.points[:, 0]) > 0.5)  # beyond the other arm
+    tips = (sample.points[:, 2] > top - 0.25 * reach) & (abs(sample.points[:, 0]) > 0.125 * reach)
     sides = [tree.node[tips & (side * sample.points[:, 0] > 0)] for side in (-1, 1)]
     assert not np.intersect1d(*sides).size
 
