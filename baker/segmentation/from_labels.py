@@ -70,12 +70,12 @@ def entry_distances(cloud: Points, labels: Labels, base: int) -> Gaps:
     """Share of the shortest paths to an organ that do not enter it from a possible parent.
 
     cloud, labels, base: (N, 3) points, (N,) labels, the point at the plant base. Returns it for
-    each pair (organ, possible parent) of labels for which it is less than 1.
+    each pair (organ, possible parent) of labels for which it is less than 1. In `parent_ranks`,
+    a scan in which it is 1 counts as one in which the organs are not adjacent.
     """
     entries = organ_entries(cloud, labels, base)
     shares = entries.shares()
-    pairs = np.argwhere(shares > 0.0).tolist()
-    names = entries.labels
+    pairs, names = np.argwhere(shares > 0.0).tolist(), entries.labels
     return {(names[a], names[b]): 1.0 - float(shares[a, b]) for a, b in pairs if a != b}
 
 
