@@ -28,7 +28,7 @@ Attachments = dict[int, Cloud]
 
 # docs/method.md, "Motion of organs"; both in point spacings.
 CONTACT_RADIUS = 2.0  # distance of touching points from the parent, beyond that of the nearest one
-MAX_STEP = 3.0  # distance of neighbouring points of one contact, or of organs that touch
+MAX_STEP = 3.0  # distance of neighbouring points of one contact
 
 
 def organ_attachments(

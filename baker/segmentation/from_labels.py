@@ -4,6 +4,8 @@ The paper leaves some choices open. Here, segments are adjacent if the connected
 edge between them, and the smallest gap is bridged first. If the root segment is more than ten point
 spacings away from all others, none of the labels is the stem, and all segments become children of a
 virtual, empty root.
+
+Where organs were found by shape, shortest paths take the place of gaps (`organ_entries.py`).
 """
 
 from collections import Counter, defaultdict
