@@ -44,11 +44,11 @@ def organs_of_nodes(
 ) -> NDArray[np.intp]:
     """(m,) organ of each node: 0 for stem and petioles, from 1 on for blades and bare branches.
 
-    scores: (n,) of the points of the sample, from -1 (on stem or petiole) to 1 (on a blade).
+    scores: (m,) sums over the points of each node, each from -1 (on stem or petiole) to 1.
     """
     score, area = (
-        tree.subtree_sums(sample.spacing**2 * np.bincount(tree.node, weights))
-        for weights in (scores, None)
+        sample.spacing**2 * tree.subtree_sums(values)
+        for values in (scores, np.bincount(tree.node))
     )
     min_area = MIN_BLADE_AREA * sample.diameter**2
     starts = _blade_starts(tree, score - min_area)
