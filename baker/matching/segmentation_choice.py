@@ -17,6 +17,7 @@ from baker.matching.plant_motion import plant_motions
 from baker.matching.score import matched_share
 
 Labels = NDArray[np.int64]
+Scan = Sequence[OrganDescriptors]  # one for each segmentation
 
 
 def choose_segmentations(
@@ -44,11 +45,7 @@ def choose_segmentations(
     return [labels[k] for labels, k in zip(candidates, path[1:], strict=True)]
 
 
-def _matched_shares(
-    first: Sequence[OrganDescriptors],
-    second: Sequence[OrganDescriptors],
-    motion: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def _matched_shares(first: Scan, second: Scan, motion: NDArray[np.float64]) -> NDArray[np.float64]:
     """(n, m) shares by which n segmentations of a scan, moved, match m of the next one."""
     moved = [organs.transformed(motion) for organs in first]
     return np.array([[matched_share(organs, later) for later in second] for organs in moved])

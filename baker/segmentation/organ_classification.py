@@ -40,36 +40,30 @@ def blade_scores(sample: PlantSample, tree: ReebTree) -> NDArray[np.float64]:
 
 
 def organs_of_nodes(
-    sample: PlantSample, tree: ReebTree, scores: NDArray[np.float64]
+    sample: PlantSample, tree: ReebTree, scores: NDArray[np.floating]
 ) -> NDArray[np.intp]:
     """(m,) organ of each node: 0 for stem and petioles, from 1 on for blades and bare branches.
 
-    scores: (m,) sums over the points of each node, each from -1 (on stem or petiole) to 1.
+    scores: (m,) of each node, its area times a factor from -1 (stem or petiole) to 1 (blade).
     """
-    score, area = (
-        sample.spacing**2 * tree.subtree_sums(values)
-        for values in (scores, np.bincount(tree.node))
-    )
+    area = tree.subtree_sums(sample.spacing**2 * np.bincount(tree.node))
     min_area = MIN_BLADE_AREA * sample.diameter**2
-    starts = _blade_starts(tree, score - min_area)
+    starts = _blade_starts(tree, tree.subtree_sums(scores) - min_area)
     has_blades = tree.subtree_sums(starts) > 0
     is_slender = (area > min_area) & (tree.tip_distance**2 >= MIN_SLENDERNESS * area)
-    is_long = tree.tip_distance >= MIN_BARE_LENGTH * sample.diameter
+    is_bare = (tree.tip_distance >= MIN_BARE_LENGTH * sample.diameter) & ~has_blades
     organ, in_blade = np.zeros(len(starts), np.intp), np.zeros(len(starts), bool)
     for node, children in enumerate(tree.children):
         if starts[node]:
             organ[node] = organ.max() + 1
         in_blade[node] |= starts[node] and has_blades[node]
         organ[children], in_blade[children] = organ[node], in_blade[node]
-        # Where a blade or a bare branch forks, it continues in its largest or longest branch.
         if in_blade[node]:
             starts[children] = False
-            branches = sorted((c for c in children if is_slender[c]), key=lambda c: -area[c])[1:]
-        else:
-            branches = [c for c in children if is_long[c] and not has_blades[c]]
-            if not has_blades[node]:
-                branches = sorted(branches, key=lambda c: -tree.tip_distance[c])[1:]
-        starts[branches] = True
+        may_start = is_slender if in_blade[node] else is_bare
+        branches = sorted((c for c in children if may_start[c]), key=lambda c: -area[c])
+        # A blade or a bare branch that forks continues in its largest branch.
+        starts[branches[int(in_blade[node] or is_bare[node]) :]] = True
     return organ
 
 

@@ -14,7 +14,7 @@ Indices = NDArray[np.intp]
 
 # docs/method.md, "Organs without labels".
 SCORE_SHIFTS = (0.0, -0.15, 0.25)  # added to the scores of blades, one for each segmentation
-FORK_PENALTY = 0.4  # of a blade for each other one on it, as a share of that one's points
+FORK_PENALTY = 0.4  # of a blade, as a share of the area of what branches off
 MIN_TOUCHING_SHARE = 0.6  # of the length of a strip, except for its base, that touches its organ
 MAX_GAP = 3.0  # point spacings between points that touch
 BASE_LENGTH = 3.0  # of an organ, where it touches its parent; in thicknesses of a level set
@@ -35,25 +35,24 @@ def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.
     tree, candidates = reeb_tree(sample), list[Indices]()
     scores = blade_scores(sample, tree)
     for shift in SCORE_SHIFTS:
-        of_nodes = np.bincount(tree.node, np.clip(scores + shift, -1.0, 1.0))
-        of_nodes -= fork_penalties(sample, tree, organs_of_nodes(sample, tree, of_nodes))
-        nodes = organs_of_nodes(sample, tree, of_nodes)
-        organ = merge_specks(sample, merge_strips(sample, nodes[tree.node]))
+        score = sample.spacing**2 * np.bincount(tree.node, np.clip(scores + shift, -1.0, 1.0))
+        score -= fork_penalties(sample, tree, organs_of_nodes(sample, tree, score))
+        organ = merge_strips(sample, organs_of_nodes(sample, tree, score)[tree.node])
+        organ = merge_specks(sample, organ)
         if not any(np.array_equal(organ, other) for other in candidates):
             candidates.append(organ)
     return [organ[sample.nearest].astype(np.int64) for organ in candidates]
 
 
-def fork_penalties(sample: PlantSample, tree: ReebTree, organ: Indices) -> NDArray[np.float64]:
-    """(m,) penalties of blades that contain a node from which another blade branches off.
+def fork_penalties(sample: PlantSample, tree: ReebTree, organ: Indices) -> NDArray[np.floating]:
+    """(m,) penalties for blades that contain a node from which another organ branches off.
 
-    What carries several blades is rather a stem. organ: (m,) of each node; strips don't count.
+    For what carries several organs is rather a stem. organ: (m,) of each node, with strips.
     """
     numbers, first = np.unique(organ, return_index=True)
     forks = first[np.isin(numbers, merge_strips(sample, organ[tree.node]))][1:]
-    counts, penalties = tree.subtree_sums(np.bincount(tree.node)), np.zeros(len(organ))
-    np.add.at(penalties, np.array(tree.parent)[forks], FORK_PENALTY * counts[forks])
-    return penalties
+    area = tree.subtree_sums(sample.spacing**2 * np.bincount(tree.node))[forks]
+    return FORK_PENALTY * np.bincount(np.array(tree.parent)[forks], area, minlength=len(organ))
 
 
 def merge_strips(sample: PlantSample, organ: Indices) -> Indices:

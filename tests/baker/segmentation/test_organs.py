@@ -72,6 +72,17 @@ def test_a_slit_in_a_blade_does_not_divide_it(offset):
     assert mean_overlap(truth[~slit], found) > 0.9
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_a_stem_that_thickens_is_no_blade(seed):
+    """Its thick part alone could be a blade, but it carries three others."""
+    points, truth = seedling(3, seed=seed)
+    thick = (truth == 0) & (np.hypot(points[:, 0], points[:, 1]) < 0.6)
+    points[thick, :2] *= 1.5
+    below = tube([0, 0, -6], [0, 0, 0], 1.0, 30.0, np.random.default_rng(seed))
+    found = organs(np.vstack([points, below]))
+    assert mean_overlap(truth, found[: len(points)]) > 0.9
+
+
 def test_an_uneven_density_does_not_matter():
     points, truth = seedling(density=100.0)
     rng = np.random.default_rng(2)
