@@ -35,10 +35,10 @@ def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.
     tree, candidates = reeb_tree(sample), list[Indices]()
     scores = blade_scores(sample, tree)
     for shift in SCORE_SHIFTS:
-        score = sample.spacing**2 * np.bincount(tree.node, np.clip(scores + shift, -1.0, 1.0))
-        score -= fork_penalties(sample, tree, organs_of_nodes(sample, tree, score))
-        organ = merge_strips(sample, organs_of_nodes(sample, tree, score)[tree.node])
-        organ = merge_specks(sample, organ)
+        node_scores = sample.spacing**2 * np.bincount(tree.node, np.clip(scores + shift, -1.0, 1.0))
+        node_scores -= fork_penalties(sample, tree, organs_of_nodes(sample, tree, node_scores))
+        nodes = organs_of_nodes(sample, tree, node_scores)
+        organ = merge_specks(sample, merge_strips(sample, nodes[tree.node]))
         if not any(np.array_equal(organ, other) for other in candidates):
             candidates.append(organ)
     return [organ[sample.nearest].astype(np.int64) for organ in candidates]
@@ -47,10 +47,10 @@ def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.
 def fork_penalties(sample: PlantSample, tree: ReebTree, organ: Indices) -> NDArray[np.floating]:
     """(m,) penalties for blades that contain a node from which another organ branches off.
 
-    For what carries several organs is rather a stem. organ: (m,) of each node, with strips.
+    For what carries several organs is rather a stem. organ: (m,) of each node, strips not merged.
     """
     numbers, first = np.unique(organ, return_index=True)
-    forks = first[np.isin(numbers, merge_strips(sample, organ[tree.node]))][1:]
+    forks = first[(first > 0) & np.isin(numbers, merge_strips(sample, organ[tree.node]))]
     area = tree.subtree_sums(sample.spacing**2 * np.bincount(tree.node))[forks]
     return FORK_PENALTY * np.bincount(np.array(tree.parent)[forks], area, minlength=len(organ))
 

@@ -83,6 +83,16 @@ def test_a_stem_that_thickens_is_no_blade(seed):
     assert mean_overlap(truth, found[: len(points)]) > 0.9
 
 
+def test_strips_of_noisy_blades_do_not_make_them_a_stem():
+    """Noise lets blades fork into strips, which are no organs that a stem would carry."""
+    overlaps = []
+    for seed in range(6):
+        points, truth = seedling(3, size=8.0, density=12.0, seed=seed)
+        noise = np.random.default_rng(seed).normal(0, 0.15, points.shape)
+        overlaps.append(mean_overlap(truth, organs(points + noise)))
+    assert np.mean(overlaps) > 0.94
+
+
 def test_an_uneven_density_does_not_matter():
     points, truth = seedling(density=100.0)
     rng = np.random.default_rng(2)
