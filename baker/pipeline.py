@@ -15,7 +15,7 @@ from baker.alignment import Alignment, align
 from baker.alignment.keyframes import AlignedSeries, aligned_keyframes, hold_out
 from baker.alignment.stem_base import base_point
 from baker.geometry.neighbors import nearest_neighbors
-from baker.geometry.parallel import MapLike, reporting, thread_map, worker_count
+from baker.geometry.parallel import MapLike, one_blas_thread, reporting, thread_map, worker_count
 from baker.geometry.surface import normals_and_areas
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.attributes import with_colors, with_fields
@@ -72,6 +72,7 @@ class Survey:
         return (points, *(finding for stage in stages for finding in stage.findings))
 
 
+@one_blas_thread()
 def bake_with_survey(
     paths: Sequence[str | Path],
     options: Options | None = None,

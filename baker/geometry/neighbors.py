@@ -86,8 +86,7 @@ def nearest_neighbors(points: Points, k: int = NEIGHBORS, map: MapLike = map) ->
         neighbors.indices[order[part]] = numbers.take(nearest[:, 1:])
         neighbors.distances[order[part]] = distances[:, 1:]
 
-    for _ in map(query, blocks(len(points))):
-        pass
+    list(map(query, blocks(len(points))))
     return neighbors
 
 
@@ -105,9 +104,7 @@ def interpolate(points: Points, samples: Points, values: Points, k: int) -> NDAr
     """Interpolate values of samples by inverse distance weighting of the k nearest (Shepard 1968).
 
     points, samples, values: (n, 3), (m, 3) and (m, ...) float.
-    k: number of samples that contribute to a value, reduced to m.
-
-    Returns (n, ...) float64.
+    k: number of samples that contribute to a value, reduced to m. Returns (n, ...) float64.
     """
     from scipy.spatial import cKDTree
 

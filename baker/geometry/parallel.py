@@ -38,6 +38,19 @@ def thread_map(workers: int) -> Iterator[MapLike]:
             executor.shutdown(wait=False, cancel_futures=True)
 
 
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Run the linear algebra of NumPy and SciPy on one thread.
+
+    More threads would round sums differently, and take time from those of `thread_map`.
+    """
+    import scipy.linalg  # noqa: F401  # only libraries that are loaded can be limited
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, user_api="blas"):
+        yield
+
+
 def reporting(map: MapLike, report_progress: ReportProgress, total: int) -> MapLike:
     """Wrap a map so that it reports the number of finished items, from 0 to `total`.
 

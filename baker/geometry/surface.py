@@ -11,7 +11,6 @@ Floats = NDArray[np.floating]
 # docs/method.md, "Density".
 PLANAR_RATIO = 1.5  # greatest area : spread of a neighbourhood; it is higher on a thin rod
 MAX_AREA_QUANTILE = 0.98  # of the areas of all points, to which larger ones are reduced
-
 MIN_CURVATURE = 0.125  # squared, in middle variances; less of it turns normals of stems less
 TINY = float(np.finfo(float).tiny)  # keeps divisors from being 0
 

@@ -211,8 +211,7 @@ def _batches(job: IntervalJob, workers: int) -> list[list[int]]:
     """
     sizes = [task.size for task in job.tasks]
     ascending = sorted(range(len(sizes)), key=sizes.__getitem__)
-    limit = SMALL_SHARE * sum(sizes) / workers
-    small = int(np.searchsorted(np.cumsum(sorted(sizes)), limit))
+    small = int(np.searchsorted(np.cumsum(sorted(sizes)), SMALL_SHARE * sum(sizes) / workers))
     large = [[k] for k in reversed(ascending[small:])]
     return [*large[:1], ascending[:small], *large[1:]]
 

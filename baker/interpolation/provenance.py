@@ -43,8 +43,9 @@ def describe_tracks(series: Series, organs: Sequence[Organ], labels: LabelUse) -
     for label, correction in labels.names.items():
         others = [name for name, organ in zip(names, organs, strict=True) if organ.label != label]
         if correction.name in others:
-            message = f"another organ is called '{correction.name}', too."
-            raise InputError(f"{correction.title}: {message}")
+            raise InputError(
+                f"{correction.title}: another organ is called '{correction.name}', too."
+            )
     return tuple(
         Track(
             id=index,
@@ -94,21 +95,10 @@ def software(
 ) -> dict[str, dict[str, str]]:
     """Versions of the program, and of the packages on which the numbers in a clip depend.
 
-    Parameters
-    ----------
-    scans : iterable of Path
-        If one is a mesh, Open3D is one of the packages.
-    outliers : float, optional
-        The option of that name; if outliers are removed, Open3D is one of the packages.
-
-    Returns
-    -------
-    dict
-        "program": its name and version; "packages": their versions by name.
+    Open3D is one of these packages if a scan is a mesh, or `outliers`, the option, is given.
     """
     is_mesh = any(READERS.get(suffix_of(path)) == "mesh" for path in scans)
     open3d = ("open3d", "open3d-cpu") if is_mesh or outliers is not None else ()
     installed = chain.from_iterable(distributions(name=name) for name in (*PACKAGES, *open3d))
     packages = {package.name.removesuffix("-cpu"): package.version for package in installed}
-    program = {"name": "plant-growth-clips", "version": __version__}
-    return {"program": program, "packages": packages}
+    return {"program": {"name": "plant-growth-clips", "version": __version__}, "packages": packages}

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from baker import InputError, Options, bake
 from gclip import Clip
@@ -39,6 +40,30 @@ def test_arrays_make_the_clip_that_their_files_make(folder: Path, arrays: list[n
     files = sorted(folder.glob("*.txt"))
     mixed = bake([files[0], points[1]], options, times=times, labels=[None, labels[1]])
     assert contents(mixed) == contents(from_files)
+
+
+def test_a_clip_does_not_depend_on_the_threads_of_the_linear_algebra() -> None:
+    """The cost of a plan of so many points is a sum that threads would share."""
+    rng = np.random.default_rng(0)
+    scans, clips, numbers = [], [], list[int]()
+    for length, points in ((40.0, 12_000), (43.0, 14_000)):
+        along, across = rng.random((2, points))
+        width = 8.0 * (across - 0.5) * (1.0 - along)
+        scans.append(np.c_[length * along, width, 3.0 * np.sin(2.0 * along)])
+
+    def threads_of_blas() -> set[int]:
+        return {lib["num_threads"] for lib in threadpool_info() if lib["user_api"] == "blas"}
+
+    def count(*_: object) -> None:
+        numbers.extend(threads_of_blas())
+
+    for threads in (3, 4):
+        with threadpool_limits(threads, user_api="blas"):
+            clips.append(bake(scans, progress=count, **(CHOICES | {"transport": "whole"})))
+            assert threads_of_blas() == {threads}  # as before the bake
+    assert set(numbers) == {1}
+    assert clips[0].intervals[0].segments == clips[1].intervals[0].segments
+    assert contents(clips[0]) == contents(clips[1])
 
 
 def test_open3d_clouds_keep_their_labels_and_colors(arrays: list[np.ndarray]) -> None:
