@@ -160,15 +160,15 @@ def neighbor_displacements(
 
 def _covering_distances(young: OrganDescriptors, old: OrganDescriptors) -> NDArray[np.float64]:
     """(n, m) mean distance of the points of each young organ to each old one; inf if far apart."""
-    from scipy.spatial import cKDTree
+    from scipy.spatial.distance import cdist
 
     distances, may_match = np.full((len(young), len(old)), np.inf), _may_match(young, old)
     for j in np.flatnonzero(may_match.any(axis=0)):
         near = np.flatnonzero(may_match[:, j])
         points = [young.samples[i] for i in near]
         counts = np.array([*map(len, points)])
-        gaps, _ = cKDTree(old.samples[j]).query(np.concatenate(points))
-        distances[near, j] = np.add.reduceat(gaps, np.cumsum(counts) - counts) / counts
+        squared = cdist(old.samples[j], np.concatenate(points), "sqeuclidean").min(axis=0)
+        distances[near, j] = np.add.reduceat(np.sqrt(squared), np.cumsum(counts) - counts) / counts
     return distances
 
 

@@ -69,19 +69,19 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
 
     adjacency = sample.graph.copy()
     adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)
-    adjacency = adjacency + adjacency.T + identity(len(organ), format="csr")
+    adjacency, n = adjacency + adjacency.T + identity(len(organ), format="csr"), len(organ)
     while True:
         m = organ.max() + 1
-        is_of = csr_matrix(organ[:, None] == np.arange(m), dtype=np.float64)  # (n, m) indicators
+        is_of = csr_matrix((np.ones(n), organ, np.arange(n + 1)), (n, m))  # indicators
         base, tip, *_ = extrema(sample.distance, organ, np.arange(m))
         base_length = np.minimum(BASE_LENGTH * sample.thickness, MAX_BASE_SHARE * (tip - base))
         beyond = np.flatnonzero(sample.distance > (base + base_length)[organ])
         size, beyond_size = (np.bincount(part, minlength=m) for part in (organ, organ[beyond]))
         row, other = (adjacency @ is_of)[beyond].nonzero()
         own, level = organ[beyond[row]], sample.level[beyond[row]]
-        own, _, other = np.unique(np.stack([own, level, other]), axis=1)
-        touching = np.zeros((m, m))  # length of the row's organ, beyond its base, on the column's
-        np.add.at(touching, (own, other), 1.0)
+        levels = sample.level.max() + 1
+        pairs = np.unique((own * m + other) * levels + level) // levels
+        touching = np.bincount(pairs, minlength=m * m).reshape(m, m)  # length on the column's organ
         is_smaller = beyond_size[:, None] <= size
         is_strip = is_smaller & (touching > MIN_TOUCHING_SHARE * touching.diagonal()[:, None])
         is_strip[STEM] = False
