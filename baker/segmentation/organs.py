@@ -80,8 +80,9 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
         row, other = (adjacency @ is_of)[beyond].nonzero()
         own, level = organ[beyond[row]], sample.level[beyond[row]]
         levels = sample.level.max() + 1
+        # The length along which the row's organ, beyond its base, touches the column's.
         pairs = np.unique((own * m + other) * levels + level) // levels
-        touching = np.bincount(pairs, minlength=m * m).reshape(m, m)  # length on the column's organ
+        touching = np.bincount(pairs, minlength=m * m).reshape(m, m)
         is_smaller = beyond_size[:, None] <= size
         is_strip = is_smaller & (touching > MIN_TOUCHING_SHARE * touching.diagonal()[:, None])
         is_strip[STEM] = False
