@@ -69,10 +69,10 @@ def merge_strips(sample: PlantSample, organ: Indices) -> Indices:
 
     adjacency = sample.graph.copy()
     adjacency.data = (adjacency.data <= MAX_GAP * sample.spacing).astype(np.float64)
-    adjacency, n = adjacency + adjacency.T + identity(len(organ), format="csr"), len(organ)
+    adjacency = adjacency + adjacency.T + identity(len(organ), format="csr")
     while True:
         m = organ.max() + 1
-        is_of = csr_matrix((np.ones(n), organ, np.arange(n + 1)), (n, m))  # indicators
+        is_of = csr_matrix((np.ones(len(organ)), organ, np.arange(len(organ) + 1)))  # (n, m)
         base, tip, *_ = extrema(sample.distance, organ, np.arange(m))
         base_length = np.minimum(BASE_LENGTH * sample.thickness, MAX_BASE_SHARE * (tip - base))
         beyond = np.flatnonzero(sample.distance > (base + base_length)[organ])

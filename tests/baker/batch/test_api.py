@@ -55,12 +55,12 @@ def test_a_clip_does_not_depend_on_the_threads_of_the_linear_algebra() -> None:
     def threads_of_blas() -> set[int]:
         return {lib["num_threads"] for lib in threadpool_info() if lib["user_api"] == "blas"}
 
-    def count(*_: object) -> None:
+    def record(*_: object) -> None:
         numbers.extend(threads_of_blas())
 
     for threads in (3, 4):
         with threadpool_limits(threads, user_api="blas"):
-            clips.append(bake(scans, progress=count, **(CHOICES | {"transport": "whole"})))
+            clips.append(bake(scans, progress=record, **(CHOICES | {"transport": "whole"})))
             assert threads_of_blas() <= {threads}  # as before the bake; none are known on macOS
     assert set(numbers) <= {1}
     assert clips[0].intervals[0].segments == clips[1].intervals[0].segments
