@@ -22,7 +22,6 @@ class GBuffer:
     size:     (width, height) in samples.
     surface:  colours (linear light and coverage), relative depths (shaders/depth.glsl), normals,
               and light from the plant times coverage and coverage, which is 0 at first.
-    behind:   the same without light.
     filtered: two with depths, of which the first shares the texture of `surface`; each filter pass
               reads one and writes the other.
     lit:      the light.
@@ -33,10 +32,10 @@ class GBuffer:
         self.passes = passes
         self.size = size
         self._create = partial(framebuffer, context, size)
-        kinds: dict[str, Any] = {"colors": COLOR, "depths": SCALAR, "normals": VECTOR}
-        self.surface = self._create(**kinds, light=COLOR, with_depth=True)
+        self.surface = self._create(
+            colors=COLOR, depths=SCALAR, normals=VECTOR, light=COLOR, with_depth=True
+        )
         plant, textures = self.surface.depth_attachment, textures_of(self.surface)
-        self.behind = self._create(**{name: textures[name] for name in kinds}, depth=plant)
         self._depths = self._create(depths=textures["depths"], filtered=SCALAR)
         depths = textures_of(self._depths).values()
         self.filtered = [self._create(depths=kind, depth=plant) for kind in depths]

@@ -22,13 +22,15 @@ from player.rendering.point_cloud import PointCloud
 from player.rendering.points import MAX_RADIUS_PX, PointRaster
 from player.rendering.shading import shade, smooth_depths
 from player.rendering.splat_radius import ClosingDistances
-from player.rendering.splats import SplatParams, draw_behind, draw_splats
+from player.rendering.splats import SplatParams, draw_splats
 from player.view.camera import Camera, sampled_positions
 from player.view.style import Style
 
-# Radius in closing distances, and edge (SplatParams), of discs facing the camera and of others: it
-# exceeds 1 as neighbours drift apart between scans, and as edges need more overlap than holes do.
-FACING_SPLATS, ALIGNED_SPLATS = (2.4, 2.0), (2.75, 0.38)
+# Radius of splats in closing distances: neighbours drift apart between scans, and edges need more
+# overlap than holes do.
+SPLAT_RADIUS = 2.4
+# Edges (SplatParams) of discs that face the camera, and of those along the surface.
+FACING_EDGE, ALIGNED_EDGE = 2.0, 0.47
 MIN_POINT_PX = 1.5  # smallest diameter of a splat in pixels
 PICK_RADIUS = 10  # largest distance in pixels between a click and the organ that it picks
 
@@ -102,13 +104,9 @@ class Renderer:
             self._raster.draw(gbuffer, ranges, splats)
         else:
             draw_splats(points, gbuffer, ranges, splats)
-        has_normals = not are_points and splats.edge < 1.0
-        if not has_normals:
+        if are_points or splats.edge == FACING_EDGE:
             smooth_depths(gbuffer, splats)
         shade(gbuffer, splats, style)
-        if has_normals:
-            draw_behind(points, gbuffer, ranges, splats)
-            shade(gbuffer, splats, style)
         if style.show_ground and not transparent:
             self._ground.cast_shadow(ranges, self._closing.point_area(day))
         background = self._ground.draw(splats, style)
@@ -185,9 +183,9 @@ class Renderer:
         ranges = full_ranges(layers_at(self.clip, day), stride)
         if upload_budget is not None:
             ranges = self._points.buffers.load(ranges, upload_budget)
-        relative_radius, edge = splat_shape(self.clip)
-        radius = relative_radius * style.point_size * self._closing.at(day) * math.sqrt(stride)
+        radius = SPLAT_RADIUS * style.point_size * self._closing.at(day) * math.sqrt(stride)
         diameters = (MIN_POINT_PX, self._max_point_px)
+        edge = splat_edge(self.clip)
         splats = SplatParams(camera, size, radius, diameters, self._scene_radius, edge)
         missing = sum(drawn.missing for drawn in ranges)
         if missing:
@@ -207,10 +205,10 @@ class Renderer:
         return self._gbuffer
 
 
-def splat_shape(clip: Clip) -> tuple[float, float]:
-    """Radius of a clip's splats in closing distances, and their edge (SplatParams)."""
+def splat_edge(clip: Clip) -> float:
+    """The edge of a clip's splats (SplatParams)."""
     has_normals = all(interval.normals is not None for interval in clip.intervals)
-    return ALIGNED_SPLATS if has_normals else FACING_SPLATS
+    return ALIGNED_EDGE if has_normals else FACING_EDGE
 
 
 def scene_radius(clip: Clip) -> float:

@@ -1,7 +1,5 @@
 """Deferred shading: lighting of the surface in the G-buffer."""
 
-import moderngl
-
 from player.gl.framebuffer import GBuffer, textures_of
 from player.rendering.splats import SplatParams
 from player.view.camera import axes
@@ -18,7 +16,7 @@ def smooth_depths(gbuffer: GBuffer, splats: SplatParams) -> None:
 
 
 def shade(gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
-    """Light the surface in the G-buffer, and blend it behind the surface lit before.
+    """Light the surface in the G-buffer.
 
     Normals are those of the clip, or derived from depths if it has none.
     """
@@ -26,7 +24,6 @@ def shade(gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
         "shade",
         gbuffer.lit,
         "<",
-        (moderngl.ONE_MINUS_DST_ALPHA, moderngl.ONE),
         **splats.uniforms,
         **textures_of(gbuffer.surface),
         **vars(GROUNDS[style.ground]),

@@ -110,17 +110,6 @@ def draw_splats(
     gbuffer.run("splat_resolve", gbuffer.surface, "1", **uniforms, **summed)
 
 
-def draw_behind(
-    points: PointCloud, gbuffer: GBuffer, ranges: list[DrawRange], splats: SplatParams
-) -> None:
-    """Replace the G-buffer by the surface that is visible beyond the edges of the nearest one."""
-    uniforms = _with_margin(points, gbuffer, splats)
-    gbuffer.run("splat_covered", gbuffer.behind, "1", **uniforms, **textures_of(gbuffer.lit))
-    gbuffer.behind.viewport = gbuffer.front.viewport
-    draw_into(gbuffer.behind, depth="<")
-    points.draw("splat_behind", ranges, uniforms)
-
-
 def _with_margin(points: PointCloud, gbuffer: GBuffer, splats: SplatParams) -> dict[str, Any]:
     """Set a viewport with a margin around the picture, and return the uniforms for it.
 

@@ -20,7 +20,7 @@ from player.export.film import Film, Progress
 from player.export.web.encode import pack
 from player.rendering import ground
 from player.rendering.points import MAX_RADIUS_PX
-from player.rendering.renderer import MIN_POINT_PX, scene_radius, splat_shape
+from player.rendering.renderer import MIN_POINT_PX, SPLAT_RADIUS, scene_radius, splat_edge
 from player.rendering.shading import DEPTH_CUE
 from player.rendering.splat_radius import ClosingDistances
 from player.view.camera import FITTED_SHARE, Camera, axes, sampled_positions
@@ -31,10 +31,9 @@ from traits.dates import date_at, elapsed, short_dates
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
-    *("splat.vert", "splat_depth.frag", "splat_sum.frag", "splat_behind.frag"),
-    *("shadow.vert", "shadow.frag", "fullscreen.vert", "splat_resolve.frag"),
-    "splat_covered.frag",
-    *("bilateral.frag", "shade.frag", "blur.frag", "ground.frag", "picture.frag"),
+    *("splat.vert", "splat_depth.frag", "splat_sum.frag", "shadow.vert", "shadow.frag"),
+    *("fullscreen.vert", "splat_resolve.frag", "bilateral.frag", "shade.frag", "blur.frag"),
+    *("ground.frag", "picture.frag"),
 )
 DATE_STEPS = 1000  # times of the series for which the displayed date is computed
 MIN_DATE_DISTANCE = 8.0  # between scans whose dates fit side by side, in % of the timeline
@@ -111,7 +110,6 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
     """Data of the page besides the points, which become properties of `Clip` in web/clip.js."""
     closing = ClosingDistances(clip)
     to_square, half_side = ground.floor_square(clip)
-    radius, edge = splat_shape(clip)
     home = Camera.home(clip, film.aspect)
     return {
         "times": clip.times,
@@ -122,9 +120,9 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
         "newborn": [[*newborn(clip, k).items()] for k in range(len(clip.intervals))],
         "intervals": layouts,
         "coverage": [closing.at(time) for time in clip.times],
-        "splat": {"radii": radius, "smallest": MIN_POINT_PX, "small": MAX_RADIUS_PX},
+        "splat": {"radii": SPLAT_RADIUS, "smallest": MIN_POINT_PX, "small": MAX_RADIUS_PX},
         "uniforms": {
-            "edge": edge,
+            "edge": splat_edge(clip),
             "lift": 0.0,
             "scene_radius": scene_radius(clip),
             "perspective": 1.0,

@@ -114,25 +114,13 @@ class Renderer {
         this.castShadow(day, layers, values.palette);
         const [color_sums, moment_sums, normal_sums] = sums.textures, [light] = lit.textures;
         pass(surface, "splat_resolve", { front, color_sums, moment_sums, normal_sums });
+        let shown = depths;
         if (values.edge > 1) {
             pass(filtered[0], "bilateral", { depths, direction: [1, 0] });
             pass(filtered[1], "bilateral", { depths: filtered[0].textures[0], direction: [0, 1] });
-            pass(lit, "shade", { colors, depths: filtered[1].textures[0], normals });
-        } else {
-            pass(lit, "shade", { colors, depths, normals });
-            gl.enable(gl.DEPTH_TEST);
-            gl.depthMask(true);
-            gl.depthFunc(gl.ALWAYS);
-            pass(surface, "splat_covered", { front, light });
-            gl.depthFunc(gl.LESS);
-            this.drawPoints("behind", layers, { ...values, front }, stride);
-            gl.enable(gl.BLEND);
-            gl.blendFunc(gl.ONE_MINUS_DST_ALPHA, gl.ONE);
-            gl.depthMask(false);
-            pass(lit, "shade", { colors, depths, normals });
-            gl.disable(gl.BLEND);
-            gl.disable(gl.DEPTH_TEST);
+            [shown] = filtered[1].textures;
         }
+        pass(lit, "shade", { colors, depths: shown, normals });
         pass(this.ground, "ground", { transmittance: this.shadows[0].textures[0] });
         const screen = { framebuffer: null, width, height }, [background] = this.ground.textures;
         pass(screen, "picture", { light, background });
@@ -175,7 +163,7 @@ class Renderer {
         });
         return {
             depth: program("splat", "splat_depth"), sum: program("splat", "splat_sum"),
-            behind: program("splat", "splat_behind"), shadow: program("shadow", "shadow"),
+            shadow: program("shadow", "shadow"),
         };
     }
 
