@@ -45,7 +45,7 @@ void main() {
         ivec2 other = beyond(texel, offset / length(offset));
         if (texelFetch(front, other, 0).r < NOTHING) {
             vec4 behind = texelFetch(color_sums, other, 0);
-            color = mix(behind / behind.a, color / color.a, inside);
+            color = mix(behind / max(behind.a, 1e-6), color / max(color.a, 1e-6), inside);
             source = inside < 0.5 ? other : texel;
             inside = 1.0;
         }
