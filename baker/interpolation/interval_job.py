@@ -240,10 +240,8 @@ def _register_organ(
 
     An organ with leaflets has no single spine, and therefore no motion.
     """
-    bases = [
-        int(((points - shape.attachment) ** 2).sum(axis=1).argmin())
-        for points, shape in ((start, source), (end, target))
-    ]
+    places = (start, source.attachment), (end, target.attachment)
+    bases = [int(((points - place) ** 2).sum(axis=1).argmin()) for points, place in places]
     if leaflets := match_leaflets(start, end, (bases[0], bases[1])):
         return None, leaflets
     motion = fit_motion(source, target)

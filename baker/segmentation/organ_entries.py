@@ -1,7 +1,7 @@
 """Where the shortest paths from the plant base enter the organs of a scan, and from which ones.
 
 The point of an organ that is nearest to another one may be a leaf's tip that touches it. But most
-of the paths to an organ's points enter it at its base.
+of the paths to an organ's points enter it at its base, if steps from organ to organ count twice.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from baker.geometry.graph import chain_ends, connected_knn_graph
 from baker.segmentation.hierarchy import split_by_label
 
-MAX_POINTS, NEIGHBORS = 400, 10  # of each organ; of each point in the kNN graph
+MAX_POINTS, NEIGHBORS = 400, 20  # of each organ; of each point in the kNN graph
+CROSSING_FACTOR = 2.0  # by which edges of the graph between organs are longer
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,8 @@ def organ_entries(
     root = distinct.index(int(labels[root_point]))
     organ = np.append(root, np.repeat(np.arange(len(parts)), [*map(len, parts)]))
     points = cloud[np.concatenate([[root_point], *parts])].astype(np.float64)
-    graph = connected_knn_graph(points, NEIGHBORS)
+    graph = connected_knn_graph(points, NEIGHBORS).tocoo()
+    graph.data[organ[graph.row] != organ[graph.col]] *= CROSSING_FACTOR
     _, before = dijkstra(graph, directed=False, indices=0, return_predecessors=True)
     before = np.maximum(before, 0)  # the point before each one; negative at the plant base
     entry = chain_ends(np.where(organ[before] == organ, before, np.arange(len(organ))))
