@@ -12,7 +12,6 @@ SAMPLE_SIZE = 128  # number of points of an organ from which its descriptors are
 AXIAL_WEIGHT = 0.35  # of the component of directions along the stem, in `about_stem`
 ORDER_SOFTNESS = 0.025  # width of the step between "above" and "below", in organ sizes
 MIN_CARRIED = 0.4  # share of the other organs that grow from one organ, such as a stem
-ORDERED_ORGANS = 10  # number of organs; in larger plants, the order along the stem is scaled down
 
 
 @dataclass(frozen=True)
@@ -72,6 +71,8 @@ def describe_organs(
 
     cloud, labels: (N, 3) points and (N,) organs. root_point: index of the point at the plant base.
     """
+    from scipy.special import expit
+
     _, members = split_by_label(labels)
     steps = [-(-len(organ) // SAMPLE_SIZE) for organ in members]
     samples = [cloud[o[::k]].astype(np.float64) for o, k in zip(members, steps, strict=True)]
@@ -83,7 +84,9 @@ def describe_organs(
     mean = np.array([offset.mean(axis=0) for offset in offsets])
     length = np.linalg.norm(mean, axis=1, keepdims=True)
     distance = np.linalg.norm(attachments - base, axis=1)
-    softness = ORDER_SOFTNESS * float(np.sqrt((sizes**2).mean()))
+    softness = ORDER_SOFTNESS * float(np.sqrt((sizes**2).mean())) or np.inf
+    below = expit((distance[:, None] - distance) / softness)
+    np.fill_diagonal(below, 0.0)
     # Without a stem that carries many organs, as where leaflets are organs, there is no order.
     children = np.bincount(parents[is_attached], minlength=1)
     has_stem = children.max() >= MIN_CARRIED * children.sum()
@@ -92,21 +95,7 @@ def describe_organs(
         attachments=attachments,
         sizes=sizes,
         directions=np.divide(mean, length, out=np.zeros_like(mean), where=length > 0),
-        order=_order_along_stem(distance, is_attached, softness) * has_stem,
+        order=below @ is_attached * has_stem,
         height=distance / max(distance.max(), np.finfo(float).tiny),
         base=base,
     )
-
-
-def _order_along_stem(
-    distance: NDArray[np.float64], is_attached: NDArray[np.bool_], softness: float
-) -> NDArray[np.float64]:
-    """(n,) number of attached organs nearer to the plant base, smoothed: all but the root.
-
-    In a plant of many organs it is scaled down to `ORDERED_ORGANS`.
-    """
-    from scipy.special import expit
-
-    below = expit((distance[:, None] - distance) / (softness or np.inf))
-    np.fill_diagonal(below, 0.0)
-    return np.asarray(below @ is_attached * min(1.0, ORDERED_ORGANS / len(distance)))
