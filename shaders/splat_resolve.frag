@@ -11,8 +11,8 @@ uniform sampler2D normal_sums;
 uniform float edge;  // largest distance of that mean, in radii
 
 const float SOFTNESS = 0.04;  // half the width of the transition, in radii
-const float REACH = 0.8;      // radii within which another surface is searched for, in steps
-const int STEPS = 8;
+const float REACH = 0.8;      // radii within which another surface is searched for
+const int STEPS = 8;          // of that search
 
 // A sample's position relative to the mean of the surrounding centres, in radii.
 vec2 offset_at(ivec2 texel) {
@@ -22,13 +22,13 @@ vec2 offset_at(ivec2 texel) {
 // The first sample in a direction that shows the ground, or a surface behind the one at `texel`
 // and not the edge of that; `texel` if there is none within reach.
 ivec2 beyond(ivec2 texel, vec2 direction) {
-    float nearest = texelFetch(front, texel, 0).r, radius_rel = radius / scene_radius;
+    float nearest = texelFetch(front, texel, 0).r, thickness = THICKNESS * radius / scene_radius;
     vec2 reach = REACH * radius * focal_px / clip_w(view_depth_of(nearest)) * direction;
     ivec2 last = textureSize(front, 0) - 1, found = texel;
     for (int i = 1; i <= STEPS && found == texel; ++i) {
         ivec2 at = clamp(texel + ivec2(round(reach * float(i) / float(STEPS))), ivec2(0), last);
         float depth = texelFetch(front, at, 0).r;
-        bool is_behind = depth - nearest > THICKNESS * radius_rel && length(offset_at(at)) < edge;
+        bool is_behind = depth - nearest > thickness && length(offset_at(at)) < edge;
         found = is_behind || depth == NOTHING ? at : texel;
     }
     return found;

@@ -1,7 +1,8 @@
 """Where the shortest paths from the plant base enter the organs of a scan, and from which ones.
 
 The point of an organ that is nearest to another one may be a leaf's tip that touches it. But most
-of the paths to an organ's points enter it at its base, if steps from organ to organ count twice.
+of the paths to an organ's points enter it at its base. Steps from organ to organ count twice, lest
+a path lead through organs that only touch.
 """
 
 from dataclasses import dataclass
