@@ -14,6 +14,7 @@ Indices = NDArray[np.intp]
 
 # docs/method.md, "Organs without labels".
 SCORE_SHIFTS = (0.0, -0.15, 0.25)  # added to the scores of blades, one for each segmentation
+MIN_BASE_SCORE = -0.7  # mean score of a node below a blade, up to the next fork, that belongs to it
 FORK_PENALTY = 0.4  # of a blade, as a share of the area of what branches off
 MIN_TOUCHING_SHARE = 0.6  # of the length of a strip, except for its base, that touches its organ
 MAX_GAP = 3.0  # point spacings between points that touch
@@ -33,11 +34,16 @@ def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.
     if sample.diameter == 0.0:
         return [np.zeros(len(cloud), np.int64)]
     tree, candidates = reeb_tree(sample), list[Indices]()
-    scores = blade_scores(sample, tree)
+    scores, area = blade_scores(sample, tree), sample.spacing**2 * np.bincount(tree.node)
     for shift in SCORE_SHIFTS:
         node_scores = sample.spacing**2 * np.bincount(tree.node, np.clip(scores + shift, -1.0, 1.0))
         node_scores -= fork_penalties(sample, tree, organs_of_nodes(sample, tree, node_scores))
         nodes = organs_of_nodes(sample, tree, node_scores)
+        # The neighbourhoods at the base of a blade are half of stem: a lower score is enough there.
+        is_base = node_scores > MIN_BASE_SCORE * area
+        for node in range(len(nodes) - 1, -1, -1):
+            if nodes[node] == STEM and is_base[node] and len(tree.children[node]) == 1:
+                nodes[node] = nodes[tree.children[node][0]]
         organ = merge_specks(sample, merge_strips(sample, nodes[tree.node]))
         if not any(np.array_equal(organ, other) for other in candidates):
             candidates.append(organ)
