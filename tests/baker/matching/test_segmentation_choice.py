@@ -69,7 +69,7 @@ def test_a_single_scan_keeps_its_first_segmentation():
 @pytest.mark.parametrize("order", [1, -1])
 def test_the_adjacent_scan_tells_of_a_leaf_that_is_not_plain(order):
     """A short and crumpled leaf, seen only because it is unfolded in another scan."""
-    plant, crumpled, unfolded = seedling(2)[0], leaf_on_top(1.8, 1.6, 0.1), leaf_on_top(5, 3, 0.02)
+    plant, crumpled, unfolded = seedling(2)[0], leaf_on_top(1.4, 1.6, 0.1), leaf_on_top(5, 3, 0.02)
     clouds = [np.vstack([plant, leaf]) for leaf in (crumpled, unfolded)]
     candidates = [candidate_organs(cloud, base_point(cloud, UP)) for cloud in clouds]
     found = choose(clouds[::order], candidates[::order])[::order]
