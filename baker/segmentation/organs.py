@@ -37,10 +37,10 @@ def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.
     scores, area = blade_scores(sample, tree), sample.spacing**2 * np.bincount(tree.node)
     for shift in SCORE_SHIFTS:
         node_scores = sample.spacing**2 * np.bincount(tree.node, np.clip(scores + shift, -1.0, 1.0))
+        is_base = node_scores > MIN_BASE_SCORE * area
         node_scores -= fork_penalties(sample, tree, organs_of_nodes(sample, tree, node_scores))
         nodes = organs_of_nodes(sample, tree, node_scores)
         # The neighbourhoods at the base of a blade are half of stem: a lower score is enough there.
-        is_base = node_scores > MIN_BASE_SCORE * area
         for node in range(len(nodes) - 1, -1, -1):
             if nodes[node] == STEM and is_base[node] and len(tree.children[node]) == 1:
                 nodes[node] = nodes[tree.children[node][0]]

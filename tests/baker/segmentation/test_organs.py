@@ -37,6 +37,19 @@ def test_blades_are_told_from_stem_and_petioles(blades):
     assert (found[stem] == 0).mean() > 0.9
 
 
+def test_blades_include_their_bases():
+    """There, the neighbourhoods of points are half of petiole."""
+    shares = []
+    for seed in range(4):
+        points, truth = seedling(density=60.0, seed=seed)
+        found = organs(points)
+        for leaf in (1, 2, 3):
+            away = np.array([np.cos(2.1 * leaf), np.sin(2.1 * leaf), 0.0])
+            base = (truth == leaf) & (points @ away < 2.9)  # from 2.5 to 7.5
+            shares.append((found[base] == np.bincount(found[truth == leaf]).argmax()).mean())
+    assert np.mean(shares) > 0.8
+
+
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_the_unit_does_not_matter(scale):
     points, truth = seedling()
