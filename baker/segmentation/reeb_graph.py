@@ -26,9 +26,8 @@ Floats = NDArray[np.floating]
 # docs/method.md, "Organs without labels".
 COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # most points to measure the stem, and to segment the plant
 VOXEL_SIZE, NEIGHBORS = 0.2, 12  # in stem diameters; in the mutual kNN graph
-# Of paths and level sets: the ratio of point spacing to neighbourhood radius, times the neighbours.
-# Even samples, with a ratio of 0.5, need fewer of them than points at random, with 0.3.
-EVEN_NEIGHBORS = 4.0
+# Neighbours times spacing : radius of neighbourhoods, which is 0.5 if even and 0.3 at random.
+EVEN_NEIGHBORS = 4.0  # in the graph of paths and level sets
 LEVEL_THICKNESS = 2.5  # of a level set, in point spacings
 STEM_LENGTH = 6.0  # of the part of the stem that is measured, in its diameters
 MIN_POINTS, MIN_POINTS_OF_SECTION = 30, 6  # to measure the stem: of the sample, of a section
