@@ -115,9 +115,9 @@ def hierarchy_from_labels(
     root_gaps = [gap for (label, _), gap in gaps.items() if label == root_label]
     if len(segments) > 2 and min(root_gaps) > MAX_ROOT_GAP:
         return under_virtual_root(labels)
-    # If shortest paths lead to an organ from no other one, as to that of the base: the smallest gap.
+    # By the smallest gap where no shortest path enters an organ, as that at the plant base.
     last = {pair: (True, MAX_GAP + gap) for pair, gap in gaps.items()}
-    ranks = last | (ranks or {pair: (False, gap) for pair, gap in gaps.items()})
+    ranks = {**last, **(ranks or {pair: (False, gap) for pair, gap in gaps.items()})}
     number = {label: index for index, label in enumerate(distinct)}
     edges = defaultdict(list)
     for (child, parent), rank in ranks.items():
