@@ -104,3 +104,9 @@ def test_the_scans_unit_does_not_matter():
     one, other = ranks(1.0), ranks(1000.0)
     assert one.keys() == other.keys()
     assert np.allclose([one[pair] for pair in one], [other[pair] for pair in one])
+
+
+def test_an_organ_at_the_plant_base_that_is_not_the_root_grows_from_the_nearest():
+    """No path enters it, since all paths start in it."""
+    usual, below = [(0, STEM), (1, LEFT)], (2, rod([0, 0, -2], [0, 0, -0.05]))
+    assert bearers([usual, usual, [below, *usual]], found=True)[2] == {0: None, 1: 0, 2: 0}
