@@ -19,17 +19,15 @@ from baker.matching.score import best_pairs, match_rewards, match_scores, shape_
 Floats = NDArray[np.float64]
 
 # docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ: that of
-# any rotation, and ANGLE_WEIGHT / (ANGLE_OFFSET + mean angle of the series) for each radian.
-ROTATION_PENALTY, ANGLE_WEIGHT, ANGLE_OFFSET = 0.05, 0.1, 0.35
-FIRST_MEAN_ANGLE = 0.15  # that is assumed in the first round, in radians
-ROUNDS = 2  # number of times that rotations are chosen, with the mean angle of those before
+# any rotation, and ANGLE_WEIGHT / (ANGLE_OFFSET + mean angle in other intervals) for each radian.
+ROTATION_PENALTY, ANGLE_WEIGHT, ANGLE_OFFSET = 0.05, 0.1, 0.25
+FIRST_MEAN_ANGLE = 0.15  # that is assumed in the first round, in radians; then it counts once
+ROUNDS = 2  # number of times that rotations are chosen, with the mean angles of those before
 ANGLE_PENALTY = 0.1  # per radian, to choose candidates: that of a plant that is rotated a lot
 INDIRECT_WEIGHT = 0.4  # of the score of scans two apart
-MAX_ORGANS = 16  # number of the largest organs of each scan, by whose scores a rotation is chosen
-POINT_STEP = 2  # one in so many points of these organs is used
+MAX_ORGANS, POINT_STEP = 16, 2  # largest organs that score a rotation; one in so many points
 ORGANS_IN_PAIRS = 7  # number of the largest organs, of which each pair determines a rotation
-MIN_SINE = 0.25  # of the angle between the directions of such a pair
-MAX_ANGLE_CHANGE = 0.5  # of that angle between the scans, in radians
+MIN_SINE, MAX_ANGLE_CHANGE = 0.25, 0.5  # of the angle of such a pair; its change, in radians
 MAX_MATCHED, MAX_CANDIDATES = 16, 6  # rotations for which organs are matched; best ones of these
 MIN_DIFFERENCE = 0.2  # between these rotations, in radians
 
@@ -40,7 +38,8 @@ def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> lis
     Candidates are no motion, and motions that register the plant bases and the directions from
     there to two organs. Those with the largest total score of matched organs are chosen, with that
     of scans two apart, which two motions in turn register, at a lower weight. Rotations are
-    penalised, since a plant may look alike from several sides, but less where it rotates often.
+    penalised, since a plant may look alike from several sides, but less where it rotates often in
+    other intervals: a wrong rotation does not make itself likely.
     """
     organs = [scan.largest(MAX_ORGANS, POINT_STEP) for scan in organs]
     steps = list(map(_candidate_motions, organs, organs[1:]))
@@ -53,13 +52,14 @@ def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> lis
         return INDIRECT_WEIGHT * np.array(scores)
 
     indirect = [np.zeros((1, 1)), *map(indirect_scores, organs, organs[2:], count(1))]
-    mean_angle = FIRST_MEAN_ANGLE
+    mean_angles = np.full(len(steps), FIRST_MEAN_ANGLE)
     for _ in range(ROUNDS):
-        penalty = ANGLE_WEIGHT / (ANGLE_OFFSET + mean_angle)
-        direct = [scores - penalty * _angles(motions) for motions, scores in steps]
+        penalties = zip(steps, ANGLE_WEIGHT / (ANGLE_OFFSET + mean_angles), strict=True)
+        direct = [scores - weight * _angles(motions) for (motions, scores), weight in penalties]
         _, *path = best_path([pairs + own for pairs, own in zip(indirect, direct, strict=True)])
         chosen = np.array([motions[k] for (motions, _), k in zip(steps, path, strict=True)])
-        mean_angle = float(_angles(chosen).mean())
+        angles = _angles(chosen)
+        mean_angles = (FIRST_MEAN_ANGLE + angles.sum() - angles) / len(angles)
     return [*chosen]
 
 

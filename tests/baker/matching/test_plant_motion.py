@@ -77,6 +77,27 @@ def test_leaves_in_two_rows_are_not_taken_for_each_other() -> None:
     np.testing.assert_array_equal(plant_motions(organs), [np.eye(4)])
 
 
+@pytest.mark.parametrize("rotates_often", [False, True])
+def test_a_rotation_is_likely_if_the_plant_rotates_in_other_intervals(
+    monkeypatch: pytest.MonkeyPatch, rotates_often: bool
+) -> None:
+    """In one of eight intervals organs match better by 0.7 if turned by 2.5 radians."""
+    usual = (1.0, 1.0) if rotates_often else (0.0, 0.0)  # angle and gain in the other intervals
+    choices = [usual] * 3 + [(2.5, 0.7)] + [usual] * 4
+
+    def candidates(angle: float, gain: float) -> tuple[np.ndarray, np.ndarray]:
+        motions = np.tile(np.eye(4), (2, 1, 1))
+        motions[1, :3, :3] = Rotation.from_rotvec([0, 0, angle]).as_matrix()
+        return motions, np.array([0.0, gain])
+
+    steps = iter([candidates(*choice) for choice in choices])
+    monkeypatch.setattr(plant_motion, "_candidate_motions", lambda first, second: next(steps))
+    monkeypatch.setattr(plant_motion, "_score", lambda first, second: 0.0)
+    motions = plant_motions([described(*spiral(3))] * 9)
+    turned = np.degrees(Rotation.from_matrix(motions[3][:3, :3]).magnitude())
+    assert turned == pytest.approx(np.degrees(2.5) if rotates_often else 0.0, abs=1e-6)
+
+
 @pytest.mark.parametrize("leaves", [0, 1])
 def test_too_few_organs_determine_no_rotation(leaves: int) -> None:
     alone, plant = described(*spiral(leaves)), described(*spiral(4, seed=1))
