@@ -21,13 +21,13 @@ Floats = NDArray[np.float64]
 # docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ: that of
 # any rotation, and ANGLE_WEIGHT / (ANGLE_OFFSET + mean angle in other intervals) for each radian.
 ROTATION_PENALTY, ANGLE_WEIGHT, ANGLE_OFFSET = 0.05, 0.1, 0.25
-FIRST_MEAN_ANGLE = 0.15  # that is assumed in the first round, in radians; then it counts once
+FIRST_MEAN_ANGLE = 0.15  # of the first round, in radians; later that of one more interval
 ROUNDS = 2  # number of times that rotations are chosen, with the mean angles of those before
 ANGLE_PENALTY = 0.1  # per radian, to choose candidates: that of a plant that is rotated a lot
 INDIRECT_WEIGHT = 0.4  # of the score of scans two apart
-MAX_ORGANS, POINT_STEP = 16, 2  # largest organs that score a rotation; one in so many points
+MAX_ORGANS, POINT_STEP = 16, 2  # largest organs, by every second of whose points a rotation is scored
 ORGANS_IN_PAIRS = 7  # number of the largest organs, of which each pair determines a rotation
-MIN_SINE, MAX_ANGLE_CHANGE = 0.25, 0.5  # of the angle of such a pair; its change, in radians
+MIN_SINE, MAX_ANGLE_CHANGE = 0.25, 0.5  # of a pair's angle; of its change, in radians
 MAX_MATCHED, MAX_CANDIDATES = 16, 6  # rotations for which organs are matched; best ones of these
 MIN_DIFFERENCE = 0.2  # between these rotations, in radians
 
@@ -54,8 +54,8 @@ def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> lis
     indirect = [np.zeros((1, 1)), *map(indirect_scores, organs, organs[2:], count(1))]
     mean_angles = np.full(len(steps), FIRST_MEAN_ANGLE)
     for _ in range(ROUNDS):
-        penalties = zip(steps, ANGLE_WEIGHT / (ANGLE_OFFSET + mean_angles), strict=True)
-        direct = [scores - weight * _angles(motions) for (motions, scores), weight in penalties]
+        weighted_steps = zip(steps, ANGLE_WEIGHT / (ANGLE_OFFSET + mean_angles), strict=True)
+        direct = [scores - w * _angles(motions) for (motions, scores), w in weighted_steps]
         _, *path = best_path([pairs + own for pairs, own in zip(indirect, direct, strict=True)])
         chosen = np.array([motions[k] for (motions, _), k in zip(steps, path, strict=True)])
         angles = _angles(chosen)
