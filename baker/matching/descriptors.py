@@ -11,6 +11,7 @@ from baker.segmentation.organ_entries import organ_entries
 SAMPLE_SIZE = 128  # number of points of an organ from which its descriptors are computed
 AXIAL_WEIGHT = 0.35  # of the component of directions along the stem, in `about_stem`
 ORDER_SOFTNESS = 0.025  # width of the step between "above" and "below", in organ sizes
+MAX_ORGANS, POINT_STEP = 16, 2  # largest organs that score a rotation; step between their points
 MIN_CARRIED = 0.4  # share of the other organs that grow from one organ, such as a stem
 
 
@@ -53,7 +54,7 @@ class OrganDescriptors:
         length = np.linalg.norm(lateral, axis=1, keepdims=True)
         return replace(self, directions=lateral / np.maximum(length, np.finfo(float).tiny))
 
-    def largest(self, count: int, step: int = 1) -> "OrganDescriptors":
+    def largest(self, count: int = MAX_ORGANS, step: int = POINT_STEP) -> "OrganDescriptors":
         """The `count` largest organs, the largest first, with every `step`-th of their points."""
         kept = np.argsort(-self.sizes, kind="stable")[:count]
         arrays = ("attachments", "sizes", "directions", "order", "height")

@@ -25,7 +25,6 @@ FIRST_MEAN_ANGLE = 0.15  # of the first round, in radians; later that of one mor
 ROUNDS = 2  # number of times that rotations are chosen, with the mean angles of those before
 ANGLE_PENALTY = 0.1  # per radian, to choose candidates: that of a plant that is rotated a lot
 INDIRECT_WEIGHT = 0.4  # of the score of scans two apart
-MAX_ORGANS, POINT_STEP = 16, 2  # largest organs that score a rotation; step between their points
 ORGANS_IN_PAIRS = 7  # number of the largest organs, of which each pair determines a rotation
 MIN_SINE, MAX_ANGLE_CHANGE = 0.25, 0.5  # of a pair's angle; of its change, in radians
 MAX_MATCHED, MAX_CANDIDATES = 16, 6  # rotations for which organs are matched; best ones of these
@@ -41,8 +40,8 @@ def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> lis
     penalised, since a plant may look alike from several sides, but less where it rotates often in
     other intervals: a wrong rotation does not make itself likely.
     """
-    organs = [scan.largest(MAX_ORGANS, POINT_STEP) for scan in organs]
-    steps = list(map(_candidate_motions, organs, organs[1:]))
+    organs = [scan.largest() for scan in organs]
+    steps = list(map(candidate_motions, organs, organs[1:]))
     if not steps:
         return []
 
@@ -55,27 +54,27 @@ def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> lis
     mean_angles = np.full(len(steps), FIRST_MEAN_ANGLE)
     for _ in range(ROUNDS):
         weighted_steps = zip(steps, ANGLE_WEIGHT / (ANGLE_OFFSET + mean_angles), strict=True)
-        direct = [scores - w * _angles(motions) for (motions, scores), w in weighted_steps]
+        direct = [scores - w * rotation_angles(motions) for (motions, scores), w in weighted_steps]
         _, *path = best_path([pairs + own for pairs, own in zip(indirect, direct, strict=True)])
         chosen = np.array([motions[k] for (motions, _), k in zip(steps, path, strict=True)])
-        angles = _angles(chosen)
+        angles = rotation_angles(chosen)
         mean_angles = (FIRST_MEAN_ANGLE + angles.sum() - angles) / len(angles)
     return [*chosen]
 
 
-def _candidate_motions(first: OrganDescriptors, second: OrganDescriptors) -> tuple[Floats, Floats]:
+def candidate_motions(first: OrganDescriptors, second: OrganDescriptors) -> tuple[Floats, Floats]:
     """No motion and other likely ones, (n, 4, 4), and (n,) scores without the angles' penalties."""
     rotations = np.reshape(_candidate_rotations(first, second), (-1, 3, 3))
     motions = np.tile(np.eye(4), (1 + len(rotations), 1, 1))
     motions[1:, :3, :3], motions[1:, :3, 3] = rotations, second.base - rotations @ first.base
     scores = np.array([_score(first.transformed(m), second, neighbors=True) for m in motions])
     scores[1:] -= ROTATION_PENALTY
-    rank = ANGLE_PENALTY * _angles(motions) - scores
+    rank = ANGLE_PENALTY * rotation_angles(motions) - scores
     best = [0, *(1 + np.argsort(rank[1:], kind="stable")[:MAX_CANDIDATES])]
     return motions[best], scores[best]
 
 
-def _angles(motions: Floats) -> Floats:
+def rotation_angles(motions: Floats) -> Floats:
     """(n,) angles of (n, 3, 3) rotations or (n, 4, 4) motions, in radians."""
     cosine = (np.trace(motions[:, :3, :3], axis1=1, axis2=2) - 1.0) / 2.0
     return np.arccos(np.clip(cosine, -1.0, 1.0))
@@ -112,7 +111,7 @@ def _candidate_rotations(first: OrganDescriptors, second: OrganDescriptors) -> l
     scores = np.maximum(match_rewards(first, second) - penalties, 0.0)
     # An upper bound of the mean score of any matching: the maxima of rows, or those of columns.
     bound = np.minimum(scores.max(axis=2).sum(axis=1), scores.max(axis=1).sum(axis=1))
-    bound = bound / min(map(len, sides)) - ANGLE_PENALTY * _angles(rotations)
+    bound = bound / min(map(len, sides)) - ANGLE_PENALTY * rotation_angles(rotations)
     chosen: list[Floats] = []
     for rotation in rotations[np.argsort(-bound, kind="stable")]:
         cosine = [(np.sum(rotation * previous) - 1.0) / 2.0 for previous in chosen]

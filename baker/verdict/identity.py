@@ -7,13 +7,14 @@ from numpy.typing import NDArray
 
 from baker.interpolation.interval_job import IntervalJob
 from baker.matching.descriptors import OrganDescriptors, describe_organs
+from baker.matching.plant_motion import ANGLE_PENALTY, candidate_motions, rotation_angles
 from baker.matching.score import best_pairs, match_scores
 from baker.segmentation.hierarchy import Hierarchy
 from baker.verdict.doubt import MIN_SHARE
 from traits.doubts import Doubt
 
 # Beyond these thresholds an organ's identity is doubtful (docs/method.md, "The verdict").
-MIN_MARGIN = 0.1  # of a pair's score over that of another pairing; a turn by 20 degrees costs it
+MIN_MARGIN = 0.2  # of the total score over that without a pair; a turn by 40 degrees costs it
 MAX_GROWTH, MAX_SHRINKAGE = 6.0, 3.0  # of an organ's size relative to the plant's other organs
 MIN_SIZE = 1e-3  # relative size, so that growth is finite
 
@@ -29,26 +30,20 @@ def doubtful_identities(
     first, second = job.match.first, job.match.second
     organs, share, size = _describe(first, job.start.positions, job.bases[0])
     end_organs, end_share, end_size = _describe(second, job.end.positions, job.bases[1])
-    starts, ends = np.flatnonzero(share).tolist(), np.flatnonzero(end_share).tolist()
-    pairs = [(a, b) for a, b in job.match.pairs if a in starts and b in ends]
-    matched = [(starts.index(a), ends.index(b)) for a, b in pairs]
-    scores = np.zeros((len(first.segments), len(second.segments)))
-    scores[np.ix_(starts, ends)] = match_scores(organs, end_organs, matched)
-    for pair in pairs:
-        scores[pair] -= MIN_MARGIN
-    # How the interval would be matched without the rest of the series.
-    successor = dict(best_pairs(scores)[0].tolist())
-    predecessor = {b: a for a, b in successor.items()}
-    for a, b in pairs:
-        if max(share[a], end_share[b]) < MIN_SHARE:
-            continue
-        if a == first.root or first.labels[a] in confirmed:
-            continue
+    judged = [
+        (a, b)
+        for a, b in job.match.pairs
+        if min(share[a], end_share[b]) > 0.0
+        and max(share[a], end_share[b]) >= MIN_SHARE
+        and a != first.root
+        and first.labels[a] not in confirmed
+    ]
+    tracks = np.array(first.organs)[share > 0.0], np.array(second.organs)[end_share > 0.0]
+    rivals = _rivals(organs, end_organs, *tracks, {first.organs[a] for a, _ in judged})
+    for a, b in judged:
         organ, growth = first.organs[a], float(end_size[b] / size[a])
-        if successor.get(a) != b and (a in successor or b in predecessor):
-            is_taken = b in predecessor
-            rival = first.organs[predecessor[b]] if is_taken else second.organs[successor[a]]
-            names_of_two = " and ".join(names[track] for track in sorted((organ, rival)))
+        if organ in rivals:
+            names_of_two = " and ".join(names[track] for track in sorted((organ, rivals[organ])))
             yield Doubt(*job.times, organ, f"{names_of_two} may be mixed up", 1.0, identity=True)
         what, strength = "may be two organs (suddenly much larger)", growth / MAX_GROWTH
         if growth < 1.0:
@@ -62,6 +57,42 @@ def doubtful_identities(
             yield Doubt(*job.times, organ, what, strength, identity=True)
 
 
+def _rivals(
+    first: OrganDescriptors,
+    second: OrganDescriptors,
+    tracks: NDArray[np.integer],
+    end_tracks: NDArray[np.integer],
+    judged: Collection[int],
+) -> dict[int, int]:
+    """The organ with which each organ may be mixed up, if there is one, by track id.
+
+    Two organs may be mixed up if the interval by itself can be matched otherwise for nearly the
+    same total score, with the plant rotated as a whole or not.
+
+    tracks, end_tracks: (n,) and (m,) track ids of the organs. judged: those that are compared.
+    """
+    matched = np.intersect1d(tracks, end_tracks, return_indices=True)
+    motions, _ = candidate_motions(first.largest(), second.largest())
+    penalties = min(len(first), len(second)) * ANGLE_PENALTY * rotation_angles(motions)
+    first, second, pairs = first.about_stem(), second.about_stem(), np.column_stack(matched[1:])
+    scores = [match_scores(first.transformed(motion), second, pairs) for motion in motions]
+    gains = np.maximum(scores, 0.0)
+    least = (gains[:, *matched[1:]].sum(axis=1) - penalties).max() - MIN_MARGIN
+    rivals = dict[int, int]()
+    for track, row, column in zip(*matched, strict=True):
+        if track not in judged:
+            continue
+        gains_without = gains.copy()
+        gains_without[:, row, column] = 0.0
+        for gain, penalty in zip(gains_without, penalties, strict=True):
+            others, total = best_pairs(gain)
+            starts, ends = others.T
+            found = [*tracks[starts[ends == column]], *end_tracks[ends[starts == row]]]
+            if found and total - penalty > least:
+                rivals.setdefault(track, found[0])
+    return rivals
+
+
 def _describe(
     hierarchy: Hierarchy, cloud: NDArray[np.floating], base: NDArray[np.floating]
 ) -> tuple[OrganDescriptors, NDArray[np.float64], NDArray[np.float64]]:
@@ -71,7 +102,7 @@ def _describe(
     square of all sizes; both are 0 for segments without points.
     """
     root_point = int(((cloud - base) ** 2).sum(axis=1).argmin())
-    organs = describe_organs(cloud, hierarchy.numbers(), root_point).about_stem()
+    organs = describe_organs(cloud, hierarchy.numbers(), root_point)
     share = np.array(list(map(len, hierarchy.segments))) / len(cloud)
     size, mean = np.zeros(len(share)), float(np.sqrt((organs.sizes**2).mean()))
     size[share > 0] = np.maximum(organs.sizes / (mean or 1.0), MIN_SIZE)

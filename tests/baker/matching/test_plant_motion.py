@@ -91,7 +91,7 @@ def test_a_rotation_is_likely_if_the_plant_rotates_in_other_intervals(
         return motions, np.array([0.0, gain])
 
     steps = iter([candidates(*choice) for choice in choices])
-    monkeypatch.setattr(plant_motion, "_candidate_motions", lambda first, second: next(steps))
+    monkeypatch.setattr(plant_motion, "candidate_motions", lambda first, second: next(steps))
     monkeypatch.setattr(plant_motion, "_score", lambda first, second: 0.0)
     motions = plant_motions([described(*spiral(3))] * 9)
     turned = np.degrees(Rotation.from_matrix(motions[3][:3, :3]).magnitude())
@@ -128,7 +128,7 @@ def test_scans_two_apart_tell_of_a_wrong_rotation(monkeypatch: pytest.MonkeyPatc
     organs = [described(*spiral(5, seed=k)) for k in range(3)]
     for count, expected in (2, motions[1:]), (3, motions[[0, 0]]):
         candidates = iter(intervals)
-        monkeypatch.setattr(plant_motion, "_candidate_motions", lambda *_, c=candidates: next(c))
+        monkeypatch.setattr(plant_motion, "candidate_motions", lambda *_, c=candidates: next(c))
         np.testing.assert_array_equal(plant_motions(organs[:count]), expected)
 
 
@@ -141,7 +141,7 @@ def test_a_plant_that_rotates_often_is_rotated_sooner(monkeypatch: pytest.Monkey
     organs = [described(*spiral(5, seed=k)) for k in range(5)]
     for gain, expected in (0.0, [0, 0, 0, 0]), (3.0, [1, 1, 1, 1]):
         steps = iter([*[(motions, np.array([1.0, 1.0 + gain]))] * 3, (motions, small)])
-        monkeypatch.setattr(plant_motion, "_candidate_motions", lambda *_, s=steps: next(s))
+        monkeypatch.setattr(plant_motion, "candidate_motions", lambda *_, s=steps: next(s))
         np.testing.assert_array_equal(plant_motions(organs), motions[expected])
 
 

@@ -10,9 +10,12 @@ from baker.pipeline import bake_with_survey
 from traits.doubts import doubts_of
 
 
-def leaf(azimuth: float, length: float, height: float, label: int) -> np.ndarray:
-    """(300, 4) x y z label: a blade of width 2 that rises from a stem on the z axis."""
-    along, across = np.random.default_rng(label).random((2, 300, 1))
+def leaf(azimuth: float, length: float, height: float, label: int, scan: int = 0) -> np.ndarray:
+    """(300, 4) x y z label: a blade of width 2 that rises from a stem on the z axis.
+
+    scan: each one has other points of the same surface.
+    """
+    along, across = np.random.default_rng((label, scan)).random((2, 300, 1))
     outwards = np.array([np.cos(azimuth), np.sin(azimuth), 0.4])
     aside = np.array([-np.sin(azimuth), np.cos(azimuth), 0.0])
     points = [0, 0, height] + length * along * outwards + 2 * (across - 0.5) * aside
@@ -56,9 +59,8 @@ def test_a_large_leaf_that_vanishes_is_doubtful(series):
 
 
 def test_leaves_that_might_as_well_be_each_other_are_doubtful(series):
-    before = [leaf(0, 8, 12, 1), leaf(np.pi, 8, 12, 2)]
-    after = [leaf(np.pi / 2, 8, 12, 1), leaf(3 * np.pi / 2, 8, 12, 2)]
-    found = series(before, before, after)
+    quarters = enumerate((0, 0, np.pi / 2))
+    found = series(*[[leaf(a + n * np.pi, 8, 12, n, scan) for n in (1, 2)] for scan, a in quarters])
     assert {day for day, _, identity in found if identity} == {1.0}
     assert {what for _, what, identity in found if identity} == {
         "leaf 1 and leaf 2 may be mixed up"
