@@ -179,9 +179,13 @@ def survey_series(
     days = tuple(scan.time for scan in series.scans)
     aligned = AlignedSeries(days, keyframes, tuple(neighbors), tuple(bases), vertical)
 
-    labels_and_names = [scan.labels for scan in series.scans], [scan.name for scan in series.scans]
     labels = label_policy(
-        *labels_and_names, aligned.clouds, aligned.bases, choices.labels, raw.label_field
+        [scan.labels for scan in series.scans],
+        [scan.name for scan in series.scans],
+        aligned.clouds,
+        aligned.bases,
+        choices.labels,
+        raw.label_field,
     )
     corrections = options.corrections or ()
     if corrections:
@@ -210,7 +214,6 @@ def _segment(
         candidates = [by_shape if known is None else [known] for known, by_shape in pairs]
         organs = choose_segmentations(clouds, bases, candidates, map=map)
     organs = with_corrected_organs(organs, aligned, corrections)
-    labels = labels.with_available(organs)
     if not is_complete or not (labels.consistent or options.paper):
         labels = with_tracked_labels(labels, clouds, organs, bases, corrections)
         organs = labels.available

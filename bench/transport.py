@@ -40,7 +40,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.transport.problem import TransportOptions, costs
-from baker.transport.sinkhorn import nearest, unique
+from baker.transport.sinkhorn import nearest_pairs, union
 from baker.transport.solve import solve
 
 SIZES = "500,1000,2000,5000,10000,20000,50000,100000,200000,500000"
@@ -92,8 +92,8 @@ def pot_sparse(start: Cloud, end: Cloud) -> float:
     displacement = np.stack(
         [np.bincount(plan.rows, axis, len(start)) for axis in weighted.T], axis=1
     )
-    neighbors = nearest(start + len(start) * displacement, end, SPARSE_NEIGHBORS)
-    pairs = unique(neighbors, (plan.rows, plan.columns))
+    neighbors = nearest_pairs(start + len(start) * displacement, end, SPARSE_NEIGHBORS)
+    pairs = union(neighbors, (plan.rows, plan.columns))
     matrix = coo_matrix((costs(start, end, pairs, 2), pairs), shape=(len(start), len(end)))
     optimal = emd(*_uniform(start, end), matrix, numItermax=10**9, check_marginals=False).tocoo()
     return float(optimal.data @ costs(start, end, (optimal.row, optimal.col), 2))

@@ -23,8 +23,6 @@ CLOSE_GAIN = 0.2  # gain in fit of a single scan above which it is reported as a
 LARGE_MOVE = 0.2  # share of the plant's size; a scan that is moved farther is reported as a doubt
 MAX_LISTED_DOUBTS = 3  # of the finding
 
-Points = NDArray[np.float64]
-
 
 def share_frame(fit: YawFit, in_place: NDArray[np.bool_]) -> bool:
     """Whether rotating the scans of a series whose bases are `in_place` would gain little fit."""
@@ -36,7 +34,7 @@ def share_frame(fit: YawFit, in_place: NDArray[np.bool_]) -> bool:
 
 def frame_finding(
     samples: Sequence[EvenSample],
-    moves: Points,
+    moves: NDArray[np.float64],
     fit: YawFit,
     stays: NDArray[np.bool_],
     unit: str,

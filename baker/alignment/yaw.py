@@ -14,7 +14,7 @@ from baker.alignment.pose import Pose
 
 YAWS = np.arange(0, 360, 5)  # degrees, at which scans are compared first
 WIDTH, FINE_WIDTH = 20.0, 5.0  # degrees, standard deviations of the Gaussian of organs' turns
-MIN_SHARE_BY_LABEL = 0.7  # fit of organs paired by label : fit of organs paired freely
+MIN_SHARE_BY_LABEL = 0.7  # ratio of the fit of organs paired by label to that paired freely
 # A yaw is doubtful unless its fit exceeds that at all yaws at least MIN_OTHER_TURN degrees away by
 # MIN_LEAD: 64 % of wrong yaws are, and 24 % of right ones (20 real series without labels).
 MIN_OTHER_TURN, MIN_LEAD = 30.0, 0.2
@@ -22,7 +22,8 @@ MIN_OTHER_TURN, MIN_LEAD = 30.0, 0.2
 FINE_STEPS = np.array(sorted(np.arange(-10.0, 10.5, 0.5), key=abs))
 
 Curve = NDArray[np.float64]
-"""(72,) fit at each of `YAWS`: share of the organs, by lever, that keep their direction"""
+"""(72,) fit at each of `YAWS`: the share of organs, weighted by their distance from the stem, that
+keep their direction"""
 
 
 class YawFit(NamedTuple):

@@ -15,8 +15,7 @@ from baker.errors import InputError
 from baker.geometry.parallel import thread_map, worker_count
 from baker.options import Options, Outputs
 from baker.pipeline import survey_series
-from baker.report.summary import summary_lines, verdict_line
-from baker.report.verification import error_lines
+from baker.report.summary import error_lines, summary_lines, verdict_line
 from baker.scans import Finding
 from baker.scans.scan import TOPICS
 from baker.transport.compile import compile_kernels

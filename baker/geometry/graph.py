@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import Neighbors, nearest_neighbors
+from baker.geometry.neighbors import Neighbors, Points, nearest_neighbors
 
 if TYPE_CHECKING:
     from scipy.sparse import csr_matrix
-
-Points = NDArray[np.floating]
 
 Gaps = Mapping[tuple[int, int], float]
 """(label, label) of adjacent segments, in either order -> distance in point spacings."""
@@ -84,7 +82,10 @@ def segment_gaps(
     ends = segment[np.stack([row, neighbors.indices[row, column]])]
     lengths = neighbors.distances[row, column].astype(np.float64)
     count = len(distinct)
-    if connected_components(csr_matrix((lengths > -1, ends), (count, count)), False)[0] > 1:
+    if (
+        connected_components(csr_matrix((np.ones(len(lengths)), ends), (count, count)), False)[0]
+        > 1
+    ):
         edges = connected_knn_graph(points, neighbors.indices.shape[1], neighbors).tocoo()
         ends, lengths = segment[np.stack([edges.row, edges.col])], edges.data
     is_between = ends[0] != ends[1]

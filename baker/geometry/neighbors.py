@@ -16,9 +16,10 @@ Points = NDArray[np.floating]
 
 NEIGHBORS = 10  # enough to include the next segment for points at the border of a segment
 NEIGHBORS_FOR_RADIUS = 8  # the radius of a neighbourhood is the distance to the 8th neighbour
-OUTLIER_RATIO = 10.0  # radius of the neighbourhood of an outlier : median radius
-# Least even spacing : that radius. The distance to the nearest neighbour is 0.47 to 0.51 of it in
-# real scans, 0.4 if half of their points are left out at random, and 0.3 if all are at random.
+OUTLIER_RATIO = 10.0  # ratio of an outlier's neighbourhood radius to the median radius
+# Least ratio of the spacing of even points to that radius. The distance to the nearest neighbour is
+# 0.47 to 0.51 of it in real scans, 0.4 if half of the points are left out at random, and 0.3 if all
+# are at random.
 EVEN_RATIO = 0.43
 BLOCK_SIZE = 4_000  # points that are processed together
 LEAF_SIZE = 16  # of KD-trees; with 10, as by default, queries of ten neighbours take 8 % longer

@@ -54,7 +54,7 @@ def one_blas_thread() -> Iterator[None]:
 def reporting(map: MapLike, report_progress: ReportProgress, total: int) -> MapLike:
     """Wrap a map so that it reports the number of finished items, from 0 to `total`.
 
-    report_progress: called with that number and `total`, the number of items of all calls.
+    report_progress: called with that number and `total`; items of later calls are not reported.
     """
     done = 0
     report_progress(0, total)

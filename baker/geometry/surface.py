@@ -9,7 +9,7 @@ from baker.geometry.parallel import MapLike
 Floats = NDArray[np.floating]
 
 # docs/method.md, "Density".
-PLANAR_RATIO = 1.5  # greatest area : spread of a neighbourhood; it is higher on a thin rod
+PLANAR_RATIO = 1.5  # greatest ratio of a neighbourhood's area to its spread; higher on a rod
 MAX_AREA_QUANTILE = 0.98  # of the areas of all points, to which larger ones are reduced
 MIN_CURVATURE = 0.125  # squared, in middle variances; less of it turns normals of stems less
 TINY = float(np.finfo(float).tiny)  # keeps divisors from being 0
@@ -139,23 +139,18 @@ def _eigenvalues(covariance: Floats) -> Floats:
     squares = x**2 + y**2 + z**2 + 2 * (xy**2 + yz**2 + zx**2)
     scale = np.maximum(np.sqrt(squares / 6), TINY)
     determinant = x * (y * z - yz**2) - xy * (xy * z - yz * zx) + zx * (xy * yz - y * zx)
-    angle = np.arccos(np.clip(determinant / (2 * scale**3), -1, 1)) / 3
+    angle = np.arccos(np.clip(determinant / np.maximum(2 * scale**3, TINY), -1, 1)) / 3
     return mean + 2 * scale * np.cos(angle + np.array([[2.0], [4.0], [0.0]]) * np.pi / 3)
 
 
 def _minor_axes(covariance: Floats) -> Floats:
     """(N, 3) eigenvectors of the smallest eigenvalue, of any length; z if all are equal."""
-    # Minus the eigenvalue, the matrix has rank two: its adjugate's columns are eigenvectors.
+    # Minus the eigenvalue, the matrix has rank two: cross products of its rows are eigenvectors.
     (x, y, z), (xy, yz, zx) = covariance[:3] - _eigenvalues(covariance)[0], covariance[3:]
-    adjugate = np.array(
-        [
-            [y * z - yz**2, yz * zx - xy * z, xy * yz - y * zx],
-            [yz * zx - xy * z, x * z - zx**2, xy * zx - x * yz],
-            [xy * yz - y * zx, xy * zx - x * yz, x * y - xy**2],
-        ]
-    )
-    longest = np.abs(np.diagonal(adjugate)).argmax(axis=1)
-    axes = adjugate[longest, :, np.arange(len(longest))]
+    rows = np.array([[x, xy, zx], [xy, y, yz], [zx, yz, z]])
+    products = np.cross(rows[[1, 2, 0]], rows[[2, 0, 1]], axis=1)
+    longest = np.abs(np.diagonal(products)).argmax(axis=1)
+    axes = products[longest, :, np.arange(len(longest))]
     return np.where(axes.any(axis=1, keepdims=True), axes, (0.0, 0.0, 1.0))
 
 

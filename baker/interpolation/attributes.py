@@ -1,7 +1,5 @@
 """Attributes of movers besides positions: colours, and scalar fields of the scans (NDVI, ...)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from colorsys import hls_to_rgb
 from dataclasses import replace

@@ -5,8 +5,6 @@ closest points with blended affine maps, whose kernel narrows from iteration to 
 attachment points of children in both scans are landmarks.
 """
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +12,7 @@ from numpy.typing import NDArray
 
 from baker.geometry.rigid import rotations_between
 from baker.geometry.sampling import farthest_point_sample
-from baker.interpolation.spine import Points, Spine, interpolate_nodes, node_positions, unit
+from baker.interpolation.spine import NODE_POSITIONS, Points, Spine, interpolate_nodes, unit
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -44,7 +42,7 @@ def spine_deformation(
     """
     i, j = landmarks
     knots = _landmark_levels(before.along[i], after.along[j])
-    tangents = unit(interpolate_nodes(after.tangents, np.interp(node_positions(), *knots)))
+    tangents = unit(interpolate_nodes(after.tangents, np.interp(NODE_POSITIONS, *knots)))
     centers = interpolate_nodes(after.nodes, np.interp(before.along, *knots))
     rotations = interpolate_nodes(rotations_between(before.tangents, tangents), before.along)
     offsets = source - interpolate_nodes(before.nodes, before.along)
@@ -109,7 +107,7 @@ def register_nonrigid(
 
 
 def _closest_pairs(
-    source: Points, target: Points, deformed: Points, tree: cKDTree
+    source: Points, target: Points, deformed: Points, tree: "cKDTree"
 ) -> tuple[NDArray[np.float64], Points]:
     """The (n,) total weight of the pairs of each point, and the (n, 3) sum of their displacements.
 

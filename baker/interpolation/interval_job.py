@@ -147,7 +147,9 @@ def solve_intervals(
     """
     with thread_map(workers) as map:
         if len(jobs) < workers:
-            map = reporting(map, report_progress, sum(len(_batches(job, workers)) for job in jobs))
+            # Batches of organs, the packing and, where organs are registered, two scans' shapes.
+            steps = [len(_batches(job, workers)) + 1 + 2 * job.is_registered for job in jobs]
+            map = reporting(map, report_progress, sum(steps))
             yield from (solve_interval(job, map, workers) for job in jobs)
             return
         map = reporting(map, report_progress, len(jobs))

@@ -13,15 +13,12 @@ from baker.alignment.keyframes import Keyframe
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.organ_motion import OrganMotion
 from baker.interpolation.packing import Movers, elevate_degree
-from baker.interpolation.resampling import with_even_density
+from baker.interpolation.resampling import Floats, Indices, with_even_density
 from baker.interpolation.spine import interpolate_nodes
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task
 from gclip import Motion, SegmentPair
-
-Floats = NDArray[np.floating]
-Indices = NDArray[np.integer]
 
 POINTS_COMPARED = 100  # of a child, to find its attachment point
 
@@ -33,7 +30,7 @@ class OrganPaths:
     task: Task
     plan: Correspondences  # of M pairs of points
     deviation: Floats | float = 0.0  # (M, 3) from straight paths at mid-interval
-    child_deviations: Mapping[int, Floats] = field(default_factory=dict)  # see the function
+    child_deviations: Mapping[int, Floats] = field(default_factory=dict)  # organ -> (3,)
 
     @property
     def pair(self) -> SegmentPair:
@@ -145,9 +142,8 @@ def child_deviations(
     tree, attached_to = cKDTree(motion.deformed), dict[int, int]()
     for child in scan.children(scan.organs.index(organ)):
         members = scan.segments[child]
-        if len(members):
-            sample = members[:: max(1, len(members) // POINTS_COMPARED)]
-            distances, nearest = tree.query(end.take(sample, axis=0))
-            attached_to[scan.organs[child]] = int(nearest[np.argmin(distances)])
+        sample = members[:: max(1, len(members) // POINTS_COMPARED)]
+        distances, nearest = tree.query(end.take(sample, axis=0))
+        attached_to[scan.organs[child]] = int(nearest[np.argmin(distances)])
     shifts = interpolate_nodes(motion.deviations, motion.along[[*attached_to.values()]])
     return dict(zip(attached_to, shifts, strict=True))

@@ -11,6 +11,7 @@ from itertools import chain, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.graph import best_path
 from baker.interpolation.spine import (
     MIN_POINTS_FOR_SPINE,
     Points,
@@ -87,15 +88,11 @@ def _least_moving(candidates: Sequence[Sequence[Cloud]]) -> list[Cloud]:
     """One contact of each scan, with the least sum of distances between successive contacts."""
     from scipy.spatial.distance import cdist
 
-    cost, steps = np.zeros(len(candidates[0])), []
-    for before, after in pairwise(candidates):
-        total = np.array([[cdist(a, b).min() for a in before] for b in after]) + cost
-        steps.append(total.argmin(axis=1))
-        cost = total.min(axis=1)
-    path = [int(cost.argmin())]
-    for step in reversed(steps):
-        path.append(int(step[path[-1]]))
-    return [contacts[k] for contacts, k in zip(candidates, reversed(path), strict=True)]
+    path = best_path(
+        np.array([[-cdist(a, b).min() for b in after] for a in before])
+        for before, after in pairwise(candidates)
+    )
+    return [contacts[k] for contacts, k in zip(candidates, path, strict=True)]
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ from gclip.evaluate import bernstein
 from gclip.schema import OPTIONAL
 
 # docs/method.md, "Density".
-MAX_OVERHANG = 0.35  # distance of a mover from the mean of its group : square root of its area
+MAX_OVERHANG = 0.35  # distance of a mover from its group's mean, in roots of the group's area
 NEIGHBORS = 8  # towards which repetitions of a mover that shares no point are displaced in turn
 DENSEST_SHARE = 20  # one in so many movers is denser than the greatest target density
 

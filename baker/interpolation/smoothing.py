@@ -17,7 +17,7 @@ from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 
 MIN_SCANS = 4  # with an organ; in fewer, swaying can't be distinguished from growth
 WINDOW = 9  # number of scans to which a local line is fitted
-ROBUST_ITERATIONS, OUTLIER_RATIO = 4, 6.0  # residual : median residual, at which the weight is 0
+ROBUST_ITERATIONS, OUTLIER_RATIO = 4, 6.0  # ratio of a residual of weight 0 to the median
 
 
 def smooth_organs(

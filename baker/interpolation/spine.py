@@ -12,6 +12,7 @@ Floats = NDArray[np.float64]
 
 # docs/method.md, "Motion of organs".
 NODES = 11  # number of nodes of a spine
+NODE_POSITIONS = np.linspace(0.0, 1.0, NODES)  # along the spine
 NEIGHBORS = 9  # of a point in the kNN graph
 TIP_QUANTILE = 0.98  # of the geodesic distances, that of the tip; larger distances may be noise
 KERNEL_WIDTH = 0.09  # standard deviation of the Gaussian around a node, in lengths of the spine
@@ -47,11 +48,11 @@ def path_lengths(points: Points, seeds: NDArray[np.intp], offsets: Floats) -> Fl
 def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:
     """Fit the spine of an organ by local linear regression, which is not biased at the ends.
 
-    lengths: (n,) geodesic distances of the points from the attachment.
+    lengths: (n,) geodesic distances of the points from the attachment, in any unit.
     """
     length = float(np.quantile(lengths, TIP_QUANTILE)) or 1.0
     along = np.clip(lengths / length, 0.0, 1.0)
-    lag = along[None, :] - node_positions()[:, None]
+    lag = along[None, :] - NODE_POSITIONS[:, None]
     weight = np.exp(-0.5 * (lag / KERNEL_WIDTH) ** 2) + WEIGHT_FLOOR
     nodes, slopes = local_lines(weight, lag, points, RIDGE * KERNEL_WIDTH**2)
     return Spine(nodes, unit(slopes), along)
@@ -72,11 +73,6 @@ def local_lines(
     variance = (centered * (lag - mean_lag)).sum(axis=1, keepdims=True)
     slopes = centered @ values / (variance + ridge)
     return weights @ values - mean_lag * slopes, slopes
-
-
-def node_positions() -> Floats:
-    """(NODES,) positions of the nodes along a spine."""
-    return np.linspace(0.0, 1.0, NODES)
 
 
 def interpolate_nodes(values: Floats, along: Floats) -> Floats:

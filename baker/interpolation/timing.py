@@ -55,8 +55,6 @@ def organ_timings(
     F. N. Fritsch and J. Butland (1984), A Method for Constructing Local Monotone Piecewise Cubic
     Interpolants: the speed at a scan is a weighted harmonic mean of the speeds before and after.
     """
-    if len(matches) < 2:
-        return [{} for _ in matches]
     moved, grown = _changes(clouds, matches)
     length, spans = np.linalg.norm(moved, axis=2), np.diff(times)
     has_direction = np.minimum(length[:-1], length[1:]) > MIN_DISPLACEMENT * spacing

@@ -12,14 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
-from baker.matching.corrections import PointCorrection
+from baker.matching.corrections import Labels, PointCorrection
 from baker.matching.merging import merge_parts
 from baker.matching.tracking import track_organs
 from baker.scans.scan import Finding
 from baker.segmentation.hierarchy import split_by_label
 
 Points = NDArray[np.floating]
-Labels = NDArray[np.int64]
 
 # A scan with more labels is refused: they are not organs, and matching them would take hours.
 MAX_ORGANS = 1000
@@ -50,11 +49,6 @@ class LabelUse:
     def available(self) -> list[Labels]:
         """(N,) labels of the scans that have labels."""
         return [organs for organs in self.labels if organs is not None]
-
-    def with_available(self, corrected: Sequence[Labels]) -> "LabelUse":
-        """Replace the labels of the scans that have labels."""
-        pairs = zip(self.labels, corrected, strict=True)
-        return replace(self, labels=tuple(None if old is None else new for old, new in pairs))
 
 
 def label_policy(
@@ -138,7 +132,8 @@ def with_tracked_labels(
     unlabelled = not use.available
     tracks = track_organs(clouds, organs, root_points, corrections)
     if use.consistent:
-        return replace(use, labels=tuple(_complete_labels(use.labels, tracks)))
+        labelled = {k: organs[k] for k, labels in enumerate(use.labels) if labels is not None}
+        return replace(use, labels=tuple(_complete_labels(labelled, tracks)))
     if not unlabelled:
         corrected = [place for correction in corrections for place in correction.places]
         merged = merge_parts(
@@ -150,19 +145,16 @@ def with_tracked_labels(
     return replace(use, labels=tuple(tracks), consistent=True, renamed=True, unlabelled=unlabelled)
 
 
-def _complete_labels(labels: Sequence[Labels | None], tracks: Sequence[Labels]) -> list[Labels]:
-    """Label the scans without labels by their tracks."""
-    by_scan = {scan: organs for scan, organs in enumerate(labels) if organs is not None}
-    unused = 1 + max(int(organs.max()) for organs in by_scan.values())
-    completed = []
-    for k, (own, track) in enumerate(zip(labels, tracks, strict=True)):
-        if own is None:
-            names: dict[int, int] = {}
-            for scan in sorted(by_scan, key=lambda scan: -abs(scan - k)):  # the nearest last
-                names |= zip(tracks[scan].tolist(), by_scan[scan].tolist(), strict=True)
-            own = np.array([names.get(number, unused + number) for number in track.tolist()])
-        completed.append(own)
-    return completed
+def _complete_labels(labelled: Mapping[int, Labels], tracks: Sequence[Labels]) -> list[Labels]:
+    """Label the scans that are not in `labelled`, (N,) labels by the scan's index, by tracks."""
+    unused = 1 + max(int(organs.max()) for organs in labelled.values())
+    completed = dict(labelled)
+    for k in set(range(len(tracks))) - labelled.keys():
+        names: dict[int, int] = {}
+        for scan in sorted(labelled, key=lambda scan: -abs(scan - k)):  # the nearest last
+            names |= zip(tracks[scan].tolist(), labelled[scan].tolist(), strict=True)
+        completed[k] = np.array([names.get(n, unused + n) for n in tracks[k].tolist()])
+    return [completed[k] for k in range(len(tracks))]
 
 
 def label_agreement(

@@ -11,12 +11,11 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import interpolate
+from baker.geometry.neighbors import Points, interpolate
 from baker.geometry.rigid import rotations_between
 from baker.matching.score import best_pairs
 from baker.segmentation.leaflets import segment_leaflets
 
-Points = NDArray[np.floating]
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 

@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 # docs/method.md, "Tracking organs". Penalties are subtracted from the score of each organ: that of
 # any rotation, and ANGLE_WEIGHT / (ANGLE_OFFSET + mean angle in other intervals) for each radian.
 ROTATION_PENALTY, ANGLE_WEIGHT, ANGLE_OFFSET = 0.05, 0.1, 0.25
-FIRST_MEAN_ANGLE = 0.15  # of the first round, in radians; later that of one more interval
+FIRST_MEAN_ANGLE = 0.15  # in radians, of the first round; later the angle of one more interval
 ROUNDS = 2  # number of times that rotations are chosen, with the mean angles of those before
 ANGLE_PENALTY = 0.1  # per radian, to choose candidates: that of a plant that is rotated a lot
 INDIRECT_WEIGHT = 0.4  # of the score of scans two apart

@@ -58,8 +58,14 @@ def match_penalties(
     """(n, m) penalties in the scores of pairs, up to `MAX_PENALTY`; impossible pairs have inf."""
     matched = np.reshape(np.asarray(pairs, np.intp), (-1, 2))
     if _is_older(first, second):
-        return _penalties(second, first, matched[:, ::-1]).T
-    return _penalties(first, second, matched)
+        return match_penalties(second, first, matched[:, ::-1]).T
+    size = _organ_size(first, second)
+    first = first.moved(neighbor_displacements(first, second, matched, size))
+    cosines = first.directions @ second.directions.T
+    order_change = np.abs(first.order[:, None] - second.order)
+    order_change = MAX_ORDER_CHANGE * np.tanh(order_change / MAX_ORDER_CHANGE)
+    penalty = ORDER_PENALTY * order_change - BASE_BONUS * (1.0 - second.height)
+    return shape_penalties(first, second, _covering_distances(first, second), cosines, penalty)
 
 
 def best_pairs(scores: NDArray[np.float64]) -> tuple[NDArray[np.intp], float]:
@@ -84,18 +90,6 @@ def matched_share(first: OrganDescriptors, second: OrganDescriptors) -> float:
     sizes = LOSS_WEIGHT * young.sizes.sum() + BIRTH_WEIGHT * old.sizes.sum()
     perfect = sizes / _organ_size(young, old) + MATCH_BONUS * (len(young) + len(old)) / 2.0
     return best_pairs(match_scores(first, second))[1] / float(perfect)
-
-
-def _penalties(
-    young: OrganDescriptors, old: OrganDescriptors, pairs: NDArray[np.intp]
-) -> NDArray[np.float64]:
-    """(n, m) penalties of pairs of a younger and an older organ."""
-    young = young.moved(neighbor_displacements(young, old, pairs, _organ_size(young, old)))
-    cosines = young.directions @ old.directions.T
-    order_change = np.abs(young.order[:, None] - old.order)
-    order_change = MAX_ORDER_CHANGE * np.tanh(order_change / MAX_ORDER_CHANGE)
-    penalty = ORDER_PENALTY * order_change - BASE_BONUS * (1.0 - old.height)
-    return shape_penalties(young, old, _covering_distances(young, old), cosines, penalty)
 
 
 def shape_penalties(

@@ -33,16 +33,13 @@ def choose_segmentations(
     preferred where all match as well. map: maps over scans and intervals.
     """
 
-    def describe(
-        cloud: NDArray[np.floating], base: int, segmentations: Sequence[Labels]
-    ) -> list[OrganDescriptors]:
+    def describe(cloud: NDArray[np.floating], base: int, segmentations: Sequence[Labels]) -> Scan:
         return [describe_organs(cloud, labels, base) for labels in segmentations]
 
     organs = list(map(describe, clouds, bases, candidates))
     motions = plant_motions([scan[0] for scan in organs], map)
-    shares = map(_matched_shares, organs, organs[1:], motions)
-    path = best_path([np.zeros((1, len(organs[0]))), *shares])
-    return [labels[k] for labels, k in zip(candidates, path[1:], strict=True)]
+    path = best_path(map(_matched_shares, organs, organs[1:], motions))
+    return [labels[k] for labels, k in zip(candidates, path, strict=True)]
 
 
 def _matched_shares(first: Scan, second: Scan, motion: NDArray[np.float64]) -> NDArray[np.float64]:

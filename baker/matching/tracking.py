@@ -74,9 +74,10 @@ def track_organs(
 def averaged_penalties(
     penalties: PairMatrices, numbers: Sequence[NDArray[np.int64]]
 ) -> dict[tuple[int, int], NDArray[np.float64]]:
-    """Average the penalties of pairs (a, b) with those of two neighbours in the tracks so far.
+    """Average the penalties of each pair (a, b) with those of two pairs that the tracks suggest.
 
-    These are a and b's successor, a's predecessor and b; impossible ones count as `MAX_PENALTY`.
+    These are (a, successor of b) and (predecessor of a, b), in the tracks so far; impossible pairs
+    count as `MAX_PENALTY`.
     """
     averages, capped = {}, {pair: np.minimum(p, MAX_PENALTY) for pair, p in penalties.items()}
     for (k, later), own in penalties.items():

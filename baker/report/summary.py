@@ -1,11 +1,13 @@
 """Summarise a finished bake for the terminal in a short table."""
 
 from collections import Counter
+from collections.abc import Sequence
 from pathlib import Path
 
 from baker.verdict.doubt import command_for, group_by_interval
 from gclip import Clip
 from traits.doubts import doubts_of
+from traits.holdout_error import HoldoutError, overall
 
 VISIBLE_ERROR = 0.01  # marginal error of a transport plan above which the summary warns
 
@@ -53,3 +55,16 @@ def verdict_line(clip: Clip, path: Path) -> str:
     line, doubts = clip.provenance["verdict"]["line"], group_by_interval(doubts_of(clip))
     command = f" Look: {command_for(doubts[0][0], path)}" if doubts else ""
     return str(line + command)
+
+
+def error_lines(errors: Sequence[HoldoutError], unit: str) -> list[str]:
+    """Format the errors as a table, with a row for each scan and one for all together."""
+    rows = [(f"{error.date}, {error.name}", error.distances) for error in errors]
+    rows += [("all", overall(errors))] if len(errors) > 1 else []
+    title = f"left out{unit and f' ({unit})'}"
+    width = max(len(title), *(len(name) for name, _ in rows))
+    return [
+        f"{'':<{width}}{'reconstruction to scan':>30}{'scan to reconstruction':>30}",
+        f"{title:<{width}}" + f"{'mean':>10}{'std':>10}{'max':>10}" * 2,
+        *(f"{n:<{width}}" + "".join(f"{v:>10.3g}" for v in (*a, *b)) for n, (a, b) in rows),
+    ]

@@ -15,13 +15,13 @@ from baker.scans.scan import Scan
 from gclip.schema import extent
 
 MAX_SAMPLE = 20_000  # points of a scan from which its bounding box is estimated
-MAX_DISTANCE_RATIO = 16  # distance from zero : size of a series, above which its origin is moved
-MAX_STEP_RATIO = 1e-5  # float32 step : size of a scan, above which it gets an origin of its own
+MAX_DISTANCE_RATIO = 16  # distance from zero to size of a series, above which its origin moves
+MAX_STEP_RATIO = 1e-5  # float32 step to size of a scan, above which it gets its own origin
 MIN_COORDINATE = 1e-18  # smaller ones become 0: their squares are 0 in float32
 MAX_COORDINATE = 1e12  # larger ones mark points that weren't measured (1e30, -1e38, ...)
 MIN_SCAN_SIZE = 1e-9  # products of lengths in a smaller scan underflow in float32
 OUTLIER_NEIGHBORS = 16  # number of neighbours whose mean distance is compared
-MIN_VOXEL_RATIO = 2.0**-60  # edge of a voxel : largest coordinate; smaller voxels have no numbers
+MIN_VOXEL_RATIO = 2.0**-60  # edge of a voxel to largest coordinate; smaller voxels have no numbers
 
 
 def shared_origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -115,6 +115,7 @@ def downsample(scan: Scan, voxel: float) -> Scan:
     """
     points = scan.points.astype(np.float64)
     cells = np.floor(points / max(voxel, np.abs(points).max(initial=0.0) * MIN_VOXEL_RATIO))
+    # The bytes of labels are compared with those of the cells.
     labels = np.zeros(len(scan)) if scan.labels is None else scan.labels.view(np.float64)
     rows = _row_bytes(np.column_stack([cells + 0.0, labels]))
     _, group = np.unique(rows, return_inverse=True)

@@ -5,11 +5,14 @@ from functools import partial
 
 import numpy as np
 
+from baker.geometry.neighbors import Points
 from baker.geometry.parallel import MapLike
-from baker.scans.ground_plane import MIN_SCORE, Ground, Points, find_plane, upright_sample
+from baker.geometry.up_axis import Vertical
+from baker.scans.ground_plane import MIN_SCORE, Ground, find_plane
 from baker.scans.pot import Pot, find_pot
 from baker.scans.scan import Finding, Scan
 
+MAX_SAMPLE = 20_000  # number of points of a scan in which its ground is searched for
 DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # candidates for up, the most usual first
 # Least score of a ground along an unusual direction, and of one that is certain. Discs of soil of
 # 3 to 300 % of the plant's size, sloped, rough, oblong or in mounds, score 0.57 or more; twenty
@@ -59,7 +62,8 @@ def remove_ground(
 
 def find_ground(points: Points, up: str) -> Ground | None:
     """Find the plane or, if there is none, the pot below (N, 3) points that grow roughly `up`."""
-    sample, frame = upright_sample(points, up)
+    sample = np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64)
+    frame = Vertical.named(up).to_z
     return find_plane(sample, frame) or find_pot(sample, frame)
 
 

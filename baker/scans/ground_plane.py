@@ -11,13 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import point_spacing
+from baker.geometry.neighbors import Points, point_spacing
 from baker.geometry.rigid import rotations_between
-from baker.geometry.up_axis import Vertical
 
-Points = NDArray[np.floating]
-
-MAX_SAMPLE = 20_000  # number of points of a scan in which its ground is searched for
 CELLS = 16  # cells along the longer side of the grid; the plane's tolerance is one cell's width
 LOW_SHARES = (0.05, 0.25)  # of the height, in which a small or a wide ground is searched for
 TRIALS, SEED = 300, 0  # number of planes that RANSAC tries; seed of its generator
@@ -66,15 +62,9 @@ class Ground:
 
 
 def find_plane(sample: Points, frame: Points) -> Ground | None:
-    """Find the ground of best score, or None; sample, frame: as `upright_sample` returns them."""
+    """Find the ground of best score below (N, 3) points, or None; frame: rotates up to +z."""
     grounds = [_fit_ground(sample, frame, share) for share in LOW_SHARES]
     return max(filter(None, grounds), key=lambda ground: ground.score, default=None)
-
-
-def upright_sample(points: Points, up: str) -> tuple[Points, Points]:
-    """Sample at most 20,000 of (N, 3) points; also return the (3, 3) rotation from `up` to +z."""
-    sample = np.asarray(points[:: -(-len(points) // MAX_SAMPLE)], np.float64)
-    return sample, Vertical.named(up).to_z
 
 
 def _fit_ground(sample: Points, frame: Points, share: float) -> Ground | None:

@@ -1,4 +1,5 @@
-"""Choose the field of a series that labels its organs, and drop the points of drops labels.
+"""Choose the field of a series that labels its organs, and drop the points of labels that
+are not the plant's.
 
 The choice is made for all scans together. A field that is constant or holds fractions does not
 label organs; one whose values each have several connected components labels classes (stem, leaf)

@@ -3,13 +3,14 @@
 The soil is then searched for within the wall, as any ground is.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.scans.ground_plane import Ground, Points, find_plane, outline_of
+from baker.geometry.neighbors import Points
+from baker.scans.ground_plane import Ground, find_plane, outline_of
 
 # docs/method.md, "Alignment". Radii are those of the wall.
 SLICES = 0.03, 0.07, 0.12, 0.2, 0.3  # shares of the height, between which a wall is searched for
@@ -38,7 +39,7 @@ class Pot(Ground):
 
 
 def find_pot(sample: Points, frame: Points) -> Pot | None:
-    """Find the pot of a plant, or None; sample, frame: as `upright_sample` returns them."""
+    """Find the pot of a plant of (N, 3) points, or None; frame: rotates up to +z."""
     rotated = sample @ frame.T
     flat, heights = rotated[:, :2], rotated[:, 2]
     bottom, top = np.quantile(heights, [0.002, 1.0])
@@ -71,7 +72,7 @@ def _pot_around(soil: Ground, points: Points) -> Pot:
     rotated, heights, _ = soil.coordinates(points)
     flat = rotated[:, :2]
     outline, _ = outline_of(flat[np.abs(heights) <= soil.thickness], 0.0)
-    inside = -(flat @ outline[:, :2].T + outline[:, 2]).max(axis=1)
+    _, _, inside = replace(soil, outline=outline).coordinates(points)
     margin, thickness = WALL_WIDTH * float(inside.max()), ROUGHNESS * soil.thickness
     in_wall, rim, step = np.abs(inside) <= margin, thickness, margin / 2
     while _radius(flat[in_wall & (rim < heights) & (heights <= rim + step)]):

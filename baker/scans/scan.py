@@ -17,7 +17,7 @@ class Finding:
     topic: str  # one of TOPICS, in whose order findings are printed
     found: str  # what was decided and by which rule: "z, as scans usually have it"
     doubt: str = ""  # what speaks against it, a clause without a full stop
-    option: str = ""  # the option that overrides it, needed with a doubt: "--up y"
+    option: str = ""  # the option that overrides it, such as "--up y"; "" if there is none
 
     @property
     def remark(self) -> str:

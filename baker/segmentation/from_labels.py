@@ -17,12 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import Gaps, segment_gaps
-from baker.geometry.neighbors import Neighbors
+from baker.geometry.neighbors import Neighbors, Points
 from baker.geometry.parallel import MapLike
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 from baker.segmentation.organ_entries import organ_entries
 
-Points = NDArray[np.floating]
 Labels = NDArray[np.integer]
 Ranks = Mapping[tuple[int, int], tuple[bool, float]]
 """(organ, possible parent) -> whether the parent is younger, and their mean gap"""

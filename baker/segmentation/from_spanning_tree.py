@@ -11,7 +11,7 @@ from baker.geometry.graph import chain_ends, connected_knn_graph
 from baker.geometry.neighbors import Neighbors
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
-DEFAULT_THRESHOLD = 0.18  # the paper's c : longest path from the root (docs/method.md, row 10)
+DEFAULT_THRESHOLD = 0.18  # ratio of the paper's c to the longest path (docs/method.md, row 10)
 
 
 def hierarchy_from_spanning_tree(

@@ -23,7 +23,7 @@ MIN_ROD_FLATNESS, FLATNESS_RANGE = 0.4, 0.3
 # Weights of the logarithms of the widths in stem diameters: of sections and of neighbourhoods.
 SECTION_WEIGHT, WIDTH_WEIGHT = 0.6, 0.85
 MIN_BLADE_AREA = 0.7  # in squared stem diameters
-MIN_SLENDERNESS = 1.25  # squared length : area, above which a branch of a blade is a separate blade
+MIN_SLENDERNESS = 1.25  # least ratio of squared length to area of a separate blade
 MIN_BARE_LENGTH = 2.0  # of a branch without blades that is an organ, in stem diameters
 STEM = 0  # the organ of stem and petioles
 

@@ -26,8 +26,9 @@ Floats = NDArray[np.floating]
 # docs/method.md, "Organs without labels".
 COARSE_SIZE, FINE_SIZE = 4_000, 10_000  # most points to measure the stem, and to segment the plant
 VOXEL_SIZE, NEIGHBORS = 0.2, 12  # in stem diameters; in the mutual kNN graph
-# Neighbours times spacing : radius of neighbourhoods, which is 0.5 if even and 0.3 at random.
-EVEN_NEIGHBORS = 4.0  # in the graph of paths and level sets
+# Number of neighbours in the graph of paths and level sets, times the evenness of the points: the
+# ratio of their spacing to the radius of their neighbourhoods, 0.5 if even and 0.3 at random.
+EVEN_NEIGHBORS = 4.0
 LEVEL_THICKNESS = 2.5  # of a level set, in point spacings
 STEM_LENGTH = 6.0  # of the part of the stem that is measured, in its diameters
 MIN_POINTS, MIN_POINTS_OF_SECTION = 30, 6  # to measure the stem: of the sample, of a section

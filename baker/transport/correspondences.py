@@ -17,7 +17,9 @@ class Correspondences:
 
     rows: Indices  # (M,) points of the start, M <= n + m; sorted by row, then column
     columns: Indices  # (M,) points of the end
-    distance: float  # Wasserstein distance in length units, over all plans
+    # (Mean cost of the pairs)^(1 / power), in length units: the Wasserstein distance, if the organ
+    # is transported as a whole
+    distance: float
     marginal_error: float  # L1 error of the marginals, the largest of all plans
     solver: str  # of the part with the largest cost
     notes: tuple[str, ...] = ()  # for the report, one sentence each

@@ -46,7 +46,7 @@ def regularized_plan(start: Points, end: Points, options: TransportOptions) -> P
     source, target, support = _support(start, end, options)
     cost = costs(source, target, support, options.power)
     typical = float(np.median(cost) or cost.mean() or 1.0)  # most or all costs may be zero
-    scaling = scale(
+    scaling = sinkhorn_scaling(
         support, cost / (options.gamma * typical), n, m,
         options.tolerance, options.iterations, options.feasible,
     )  # fmt: skip
@@ -60,17 +60,17 @@ def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Poi
     """The points whose distances are the costs, and the pairs that may carry mass."""
     source, target = start - start.mean(axis=0), end - start.mean(axis=0)
     if not options.feasible:
-        return source, target, nearest(source, target, options.neighbors)
+        return source, target, nearest_pairs(source, target, options.neighbors)
     balanced = balance(start, end)
     if options.power == 2:
         # The plan is the same: the costs differ only by terms of the rows and of the columns.
         source, target = balanced
     masses = uniform_masses(len(start), len(end))
     plans = [bisection_plan(*balanced, *masses, options.seed + i)[0] for i in range(FEASIBLE_PLANS)]
-    return source, target, unique(nearest(source, target, options.neighbors), *plans)
+    return source, target, union(nearest_pairs(source, target, options.neighbors), *plans)
 
 
-def scale(
+def sinkhorn_scaling(
     support: Edges,
     cost: NDArray[np.float64],
     n: int,
@@ -154,20 +154,20 @@ def _drop_small(support: Edges, cost: Floats, mass: Floats, n: int, m: int) -> t
     return (support[0][is_kept], support[1][is_kept]), mass[is_kept]
 
 
-def nearest(start: Points, end: Points, k: int) -> Edges:
+def nearest_pairs(start: Points, end: Points, k: int) -> Edges:
     """The pairs of each point with its k nearest points of the other cloud (section 3.4)."""
     from scipy.spatial import cKDTree
 
     n, m = len(start), len(end)
     in_end = cKDTree(end).query(start, min(k, m))[1].reshape(n, -1)
     in_start = cKDTree(start).query(end, min(k, n))[1].reshape(m, -1)
-    return unique(
+    return union(
         (np.repeat(np.arange(n), in_end.shape[1]), in_end.ravel()),
         (in_start.ravel(), np.repeat(np.arange(m), in_start.shape[1])),
     )
 
 
-def unique(*supports: Edges) -> Edges:
+def union(*supports: Edges) -> Edges:
     """The union of supports, sorted by row, then column.
 
     Equivalent to ``np.unique(np.concatenate(supports, axis=1), axis=1)``.

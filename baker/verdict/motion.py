@@ -7,17 +7,14 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
-from baker.geometry.neighbors import point_spacing
+from baker.geometry.neighbors import Points, point_spacing
 from baker.interpolation.organ_shapes import Attachments
 from baker.verdict.doubt import MIN_SHARE
 from gclip import Interval, Motion
 from gclip.evaluate import positions_on_curve
 from traits.doubts import Doubt
-
-Points = NDArray[np.floating]
 
 # Beyond these thresholds the motion of an organ is doubtful (docs/method.md, "The verdict").
 MAX_TORN_SHARE, MIN_ORDER_CORRELATION = 0.05, 0.5

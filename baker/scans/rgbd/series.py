@@ -100,7 +100,7 @@ class ImageSeries:
             lost = (plant & (depth == 0)).sum()
             notes.append(
                 f"depth unknown at {unknown.sum()} of {plant.sum()} labelled pixels; "
-                f"{unknown.sum() - lost} filled by diffusion, {lost} left out: no valid depth near."
+                f"{unknown.sum() - lost} filled by convolution, {lost} left out: none valid nearby."
             )
         chosen = depth > 0
         if not chosen.any():

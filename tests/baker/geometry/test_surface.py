@@ -46,6 +46,11 @@ def test_normals_of_a_thin_stem_point_outwards() -> None:
     assert np.quantile(angle, 0.75) < 50.0
 
 
+def test_points_that_spread_alike_in_all_directions_have_a_vertical_normal() -> None:
+    cube = np.array(np.meshgrid([0.0, 1.0], [0.0, 1.0], [0.0, 1.0])).reshape(3, 8).T
+    np.testing.assert_array_equal(codes_of(cube), np.tile(octahedral(np.eye(3)[2:]), (8, 1)))
+
+
 @pytest.mark.parametrize("flatness", [(3.0, 1.0, 0.001), (3.0, 1.0, 0.9), (1.0, 1e-3, 0.0)])
 def test_normals_are_the_smallest_eigenvectors(flatness: tuple[float, float, float]) -> None:
     random = np.random.default_rng(2)

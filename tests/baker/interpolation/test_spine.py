@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from baker.interpolation.spine import (
+    NODE_POSITIONS,
     NODES,
     fit_spine,
     interpolate_nodes,
-    node_positions,
     path_lengths,
 )
 
@@ -42,11 +42,11 @@ def test_a_rods_spine_is_its_axis_to_the_ends() -> None:
     points = rod(2000)
     spine = fit_spine(points, points[:, 0] - points[:, 0].min())
     assert spine.nodes.shape == (NODES, 3)
-    np.testing.assert_allclose(spine.nodes[:, 0], 98 * node_positions(), atol=1.5)
+    np.testing.assert_allclose(spine.nodes[:, 0], 98 * NODE_POSITIONS, atol=1.5)
     assert np.abs(spine.nodes[:, 1:]).max() < 0.5
     assert (spine.tangents[:, 0] > 0.99).all()
 
 
 def test_values_at_levels_are_read_between_them() -> None:
-    values = np.column_stack([node_positions(), 2 * node_positions(), 0 * node_positions()])
+    values = np.column_stack([NODE_POSITIONS, 2 * NODE_POSITIONS, 0 * NODE_POSITIONS])
     np.testing.assert_allclose(interpolate_nodes(values, np.array([0.33]))[0], [0.33, 0.66, 0.0])

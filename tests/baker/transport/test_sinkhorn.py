@@ -6,7 +6,7 @@ from scipy.spatial.distance import cdist
 
 from baker.transport.correspondences import largest_entries
 from baker.transport.problem import TransportOptions, balance, costs
-from baker.transport.sinkhorn import nearest, scale
+from baker.transport.sinkhorn import nearest_pairs, sinkhorn_scaling
 from baker.transport.solve import solve
 from tests.baker.transport.transport_clouds import grown_leaf, leaf
 
@@ -25,7 +25,7 @@ def test_equals_pot_on_dense_supports(n, m, gamma):
         np.full(n, 1 / n), np.full(m, 1 / m), cost, epsilon, numItermax=100_000, stopThr=1e-12
     )
     every = np.divmod(np.arange(n * m), m)
-    found = scale(every, cost.ravel() / epsilon, n, m, 1e-11, 100_000)
+    found = sinkhorn_scaling(every, cost.ravel() / epsilon, n, m, 1e-11, 100_000)
     np.testing.assert_allclose(found.mass, expected.ravel(), atol=1e-6 / max(n, m))
 
 
@@ -52,7 +52,7 @@ def test_costs_of_any_size_stay_in_range():
     cost = (cdist(start, end) ** 2).ravel()
     every = np.divmod(np.arange(2000), 50)
     for size in (1e-6, 1.0, 1e4, 1e8):
-        found = scale(every, size * cost / np.median(cost), 40, 50, 1e-3, 300)
+        found = sinkhorn_scaling(every, size * cost / np.median(cost), 40, 50, 1e-3, 300)
         assert np.isfinite(found.mass).all()
         np.testing.assert_allclose(np.bincount(every[1], found.mass), 1 / 50)
 
@@ -78,12 +78,12 @@ def test_infeasible_support_is_said_and_the_plan_stays_usable():
 
 def test_on_an_infeasible_support_it_stops_when_five_blocks_gain_less_than_a_percent():
     start, end = grown_leaf(500, 700)
-    support = nearest(start, end, 10)
+    support = nearest_pairs(start, end, 10)
     cost = costs(start, end, support, 1)
     cost = cost / (0.01 * np.median(cost))
 
     def after(iterations):
-        return scale(support, cost, 500, 700, 1e-3, iterations, feasible=False)
+        return sinkhorn_scaling(support, cost, 500, 700, 1e-3, iterations, feasible=False)
 
     found, block = after(2000), 51
     assert found.iterations < 2000

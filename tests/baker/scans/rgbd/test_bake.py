@@ -28,7 +28,7 @@ def test_a_folder_of_images_bakes(folder: Path, tmp_path: Path) -> None:
     assert root.kind == "root"
     assert {leaf.parent for leaf in leaves} == {root.id}
     assert clip.provenance["options"]["align"] == "none"
-    assert any("filled by diffusion" in note for note in clip.provenance["notes"])
+    assert any("filled by convolution" in note for note in clip.provenance["notes"])
     assert clip.unit == "mm"
 
     from scipy.spatial import cKDTree

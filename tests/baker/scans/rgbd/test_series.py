@@ -134,7 +134,7 @@ def test_every_filled_pixel_is_counted(make_images: FolderMaker) -> None:
     beside = beside_painted + beside_missing + beside_jumps
     assert scan.notes[0] == (
         f"depth unknown at {8 + 3 + 6 + beside} of {total} labelled pixels; {8 + 3 + 6 + beside} "
-        "filled by diffusion, 0 left out: no valid depth near."
+        "filled by convolution, 0 left out: none valid nearby."
     )
     np.testing.assert_allclose(scan.points[:, 2], 40, atol=1e-3)
 
@@ -150,7 +150,7 @@ def test_a_label_without_depth_is_left_out_and_said(make_images: FolderMaker) ->
     scan = read_series([folder]).scans[0]
     assert scan.labels is not None
     assert set(scan.labels.tolist()) == {3}
-    assert "18 left out: no valid depth near" in scan.notes[0]
+    assert "18 left out: none valid nearby" in scan.notes[0]
 
 
 def test_without_label_images_all_depth_becomes_points(make_images: FolderMaker) -> None:
