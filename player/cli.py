@@ -65,6 +65,7 @@ def _flag(help: str, *names: str) -> Any:
 
 @app.command(epilog=EPILOG + help_text())
 def play_command(
+    context: typer.Context,
     clips: Annotated[list[Path], typer.Argument(metavar="CLIP", help="A clip, or two in step.")],
     export: Annotated[Path | None, _option("PATH", "Write film.mp4, ... (--list-exports).")] = None,
     info: Annotated[bool, _flag("Print what the clip holds.")] = False,
@@ -75,7 +76,9 @@ def play_command(
     fps: Annotated[int, _option("N", "Frames a second.", min=1, max=240)] = 30,
     seconds: Annotated[float | None, _option("S", "Length of a film.", min=0, max=36000)] = None,
     every: Annotated[float | None, _option("T", "A frame every T days.", min=1e-6)] = None,
-    day: Annotated[list[str] | None, _option("DAY", "A picture's day or date; or several.")] = None,
+    day: Annotated[
+        list[str] | None, _option("DAY", "Day or date to show; may be repeated.")
+    ] = None,
     camera: Annotated[
         str, _option("still|turntable|PATH.json", "turntable goes round once; or a camera path.")
     ] = STILL,
@@ -110,8 +113,9 @@ def play_command(
     path = None if camera in (STILL, TURNTABLE) else Path(camera)
     if path is not None and path.suffix != ".json":
         raise PlayerError(f"--camera is {camera}; still, turntable or a camera path is needed.")
-    if (export is not None) + info + len(clips) > 2:
-        raise PlayerError("one clip is needed, with --export or --info, or two without them.")
+    if len(clips) > 2 or (len(clips) == 2 and (export or info)) or (export and info):
+        raise PlayerError("--export and --info take one clip each; the window shows one or two.")
+    given = _given(context)
     if every is not None and seconds is not None:
         raise PlayerError("--every and --seconds each say how many frames; give one of them.")
     style = Style(
@@ -124,9 +128,9 @@ def play_command(
         eye_dome=shading,
         show_ground=floor,
     )
-    clip = clips[0]
+    opened = gclip.open(clips[0])
+    days = tuple(_parse_day(opened, text) for text in day or [])
     if export is not None:
-        opened = gclip.open(clip)
         known = opened.fields
         if field and field not in known:
             raise PlayerError(f"--field is {field}; the clip has {', '.join(known) or 'none'}.")
@@ -136,25 +140,36 @@ def play_command(
             seconds=seconds,
             turning=camera == TURNTABLE,
             style=style,
-            at=tuple(_parse_day(opened, text) for text in day or []),
+            at=days,
             every=every,
             title=printable(title),
             annotations=player.view.Annotations(date, scale_bar, legend),
             transparent=transparent,
-            name=printable(clip.stem),
+            name=printable(clips[0].stem),
             path=None if path is None else player.view.load_path(path, opened),
         )
-        player.export.check_look(film, export, force)
+        player.export.check_export(film, export, force, given)
         with StageProgress(quiet) as progress:
             player.export.export(opened, film, export, partial(progress, "exporting"), force)
         if not quiet:
             typer.echo(f"wrote {export}", err=True)
     elif info:
-        for line in info_lines(gclip.open(clip), clip):
+        for line in info_lines(opened, clips[0]):
             typer.echo(printable(line, MAX_INFO_LINE))
     else:
-        window_size = _parse_size(size) if size else None
-        player.window.start(clips, style, window_size, ground, camera == TURNTABLE, path, profile)
+        for name in PANELS["Export"].split():
+            if name in given and name != "day":
+                raise PlayerError(f"--{name.replace('_', '-')} is for exports; add --export PATH.")
+        if len(days) > 1:
+            raise PlayerError("the window opens on one --day; for several add --export PATH.")
+        window_size, turning = _parse_size(size) if size else None, camera == TURNTABLE
+        player.window.start(clips, style, window_size, ground, turning, path, profile, *days)
+
+
+def _given(context: typer.Context) -> list[str]:
+    """The names of the options and arguments that the command line has."""
+    sources = {name: context.get_parameter_source(name) for name in context.params}
+    return [name for name, source in sources.items() if source and source.name == "COMMANDLINE"]
 
 
 def _parse_day(clip: "Clip", text: str) -> float:

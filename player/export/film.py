@@ -79,7 +79,7 @@ class Film:
         if self.annotations.legend and self.style.color_mode(clip) == "scan":
             raise PlayerError(
                 "--legend explains colours of organs and values, not the scans' own; "
-                "add --color track, age, speed, height or error, or leave it out."
+                "add --color track or another one, or leave --legend out."
             )
         views = zip(self.days(clip), self.cameras(clip), strict=True)
         for (day, camera), repeats in groupby(views):

@@ -1,6 +1,6 @@
 """The table of export formats, which are selected by the suffix of the output's name."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, replace
 from os import PathLike
 from pathlib import Path
@@ -13,11 +13,21 @@ from player.export import gltf, image, ply, table, usd, video
 from player.export.film import Film, Progress
 from player.export.web import page
 from player.output_names import check_sequence, is_numbered
-from player.view.annotations import Annotations
 from player.view.colors import Colors
-from player.view.style import Style
+from player.view.style import ColorMode, Style
 
 MAX_FRAMES = 200_000  # larger numbers are most likely typing errors
+
+# Options of `play` that have an effect on what a format holds,
+VIEW = "color colormap field ground point_size shading depth_cue floor size camera title"
+OPTIONS = {
+    "picture": f"{VIEW} date scale_bar legend transparent",
+    "page": VIEW,
+    "points": "color colormap field title",
+    "numbers": "title",
+}
+# and that select the moments which it shows
+FILM, STILL, FRAMES, TABLE = "fps seconds every", "day", "fps seconds every day", "every day"
 
 
 @dataclass(frozen=True)
@@ -27,16 +37,19 @@ class Format:
     example: str  #: name of an output; with a number field, the format is a sequence of files
     about: str  #: short description for users
     write: Callable[[Clip, Film, Path, Progress], None]
-    #: what styles and annotations apply to: pictures take all of them, points one colour each,
-    #: pages colours and a camera, and tables of numbers none
     content: Literal["picture", "points", "page", "numbers"]
-    max_days: int = 0  #: number of days that can be selected: 0, 1, or 2 for any number
+    moments: str = ""  #: options that select the moments that are shown, by default all of them
     other_suffixes: tuple[str, ...] = ()
 
     @property
     def is_sequence(self) -> bool:
         """Whether the format is a numbered sequence of files."""
         return is_numbered(Path(self.example))
+
+    @property
+    def options(self) -> list[str]:
+        """The names of the options of `play` that have an effect."""
+        return [*OPTIONS[self.content].split(), *self.moments.split()]
 
     @property
     def suffixes(self) -> tuple[str, ...]:
@@ -61,10 +74,19 @@ def export(
     rate that the format cannot hold, missing OpenGL, or an encoder that fails.
     """
     chosen = format_of(path, film, force)
+    for day in film.at:
+        clip.check_day(day)
     count = film.frame_count(clip)
-    if count > MAX_FRAMES:
+    if "every" in chosen.moments and count > MAX_FRAMES:
         raise PlayerError(f"{count} frames would be written; at most {MAX_FRAMES} are.")
-    colored = Colors(clip).clip_with_colors(film.style, as_file=chosen.content == "points")
+    mode = film.style.color_mode(clip)
+    if chosen.content in ("points", "page") and mode.changes_in_time:
+        others = ", ".join(other for other in ColorMode if not other.changes_in_time)
+        raise PlayerError(
+            f"--color {mode} changes while the plant grows, so it is for pictures and films; "
+            f"{path.name} takes {others}."
+        )
+    colored = Colors(clip).clip_with_colors(film.style, without_scans=chosen.content == "points")
     with atomic_file(path, force, chosen.is_sequence) as part:
         chosen.write(colored, film, part, progress)
 
@@ -104,13 +126,15 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
         names = ", ".join(dict.fromkeys(name for known in FORMATS for name in known.suffixes))
         found = f'has the unknown suffix "{suffix}"' if suffix else "has no suffix"
         raise PlayerError(f"{path} {found}; the suffix says what is written: {names}.")
-    numbered = any(known.is_sequence for known in candidates) and is_numbered(path)
-    chosen = next(known for known in candidates if known.is_sequence == numbered)
+    numbered = is_numbered(path)
+    chosen = next((known for known in candidates if known.is_sequence == numbered), None)
+    if chosen is None:
+        raise PlayerError(f"{path.name} is numbered, as pictures and clouds of points may be.")
     (check_sequence if numbered else check_output)(path, force)
-    if len(film.at) > 1 and chosen.max_days == 1:
+    if len(film.at) > 1 and chosen.moments == STILL:
         raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
-    if film.at and not chosen.max_days:
-        raise PlayerError(f"--day is for pictures, clouds and tables; {path.name} shows all days.")
+    if film.at:
+        _check_options(chosen, path, ["day"])
     if film.transparent and suffix != ".png":
         raise PlayerError(f"--transparent is for PNG pictures; {path.name} holds no transparency.")
     if film.at and film.every is not None:
@@ -118,28 +142,37 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
     return chosen
 
 
-def check_look(film: Film, path: Path, force: bool) -> None:
-    """Raise PlayerError as `format_of` does, and for a style that the format ignores."""
-    content = format_of(path, film, force).content
-    if film.annotations != Annotations() and content != "picture":
-        raise PlayerError(
-            f"--date, --scale-bar and --legend write into pictures and films; {path} is neither."
-        )
-    if content == "numbers" and (film.style != Style() or film.turning or film.path):
-        raise PlayerError(f"{path} holds numbers alone: it has no colours, no floor, no camera.")
+def check_export(film: Film, path: Path, force: bool, options: Iterable[str]) -> None:
+    """Raise PlayerError as `format_of` does, and for options that have no effect on the format."""
+    chosen = format_of(path, film, force)
+    _check_options(chosen, path, options)
+    if film.path and chosen.content == "page":
+        raise PlayerError(f"{path.name} has a camera that turns or stands still, without a path.")
+
+
+def _check_options(chosen: Format, path: Path, options: Iterable[str]) -> None:
+    for option in options:
+        takers = [known for known in FORMATS if option in known.options]
+        if takers and chosen not in takers:
+            examples = ", ".join(known.example for known in takers)
+            name = option.replace("_", "-")
+            raise PlayerError(f"--{name} has no effect on {path.name}; it is for {examples}.")
 
 
 FORMATS: tuple[Format, ...] = (
-    Format("film.mp4", "film that plays everywhere", video.write, "picture", 0, (".mov",)),
-    Format("film.gif", "film for pages and slides", video.write_gif, "picture"),
-    Format("film.webm", "film for web pages (VP9)", video.write, "picture"),
-    Format("still.png", "one picture", image.write, "picture", 1, image.JPEG_SUFFIXES),
-    Format("frames/%04d.png", "frames as pictures", image.write, "picture", 2, image.JPEG_SUFFIXES),
+    Format("film.mp4", "film that plays everywhere", video.write, "picture", FILM, (".mov",)),
+    Format("film.gif", "film for pages and slides", video.write_gif, "picture", FILM),
+    Format("film.webm", "film for web pages (VP9)", video.write, "picture", FILM),
+    Format("still.png", "one picture", image.write, "picture", STILL, image.JPEG_SUFFIXES),
+    Format("frames/%04d.png", "frames as pictures", image.write, "picture", FRAMES,
+           image.JPEG_SUFFIXES),
     Format("plant.html", "one page to turn and play in any browser, offline", page.write, "page"),
-    Format("cloud.ply", "one point cloud, for any program", ply.write, "points", 1),
-    Format("clouds/%04d.ply", "point clouds, one a frame, for Blender", ply.write, "points", 2),
-    Format("plant.glb", "animated points, for Blender, three.js (glTF)", gltf.write, "points"),
+    Format("cloud.ply", "one point cloud, for any program", ply.write, "points", STILL),
+    Format("clouds/%04d.ply", "point clouds, one a frame, for Blender", ply.write, "points",
+           FRAMES),
+    Format("plant.glb", "animated points, for Blender, three.js (glTF)", gltf.write, "points",
+           FILM),
     Format("plant.usd", "points with time samples, for Houdini, Omniverse, Unreal", usd.write,
-           "points", 0, (".usda", ".usdc", ".usdz")),
-    Format("traits.csv", "lengths, areas, growth of each organ", table.write, "numbers", 2),
+           "points", FILM, (".usda", ".usdc", ".usdz")),
+    Format("traits.csv", "lengths, areas, growth of each organ", table.write, "numbers", TABLE),
 )  # fmt: skip

@@ -83,26 +83,20 @@ class Colors:
         """
         return self._range_of(style) if style.color_mode(self._clip).colormap else None
 
-    def clip_with_colors(self, style: Style, as_file: bool = False) -> Clip:
+    def clip_with_colors(self, style: Style, without_scans: bool = False) -> Clip:
         """The clip to draw: if a style colours by values of each mover, a copy with their colours.
 
-        as_file: for files with one colour per mover; colours of scans are then removed if the style
-                 shows organs.
+        without_scans: whether to remove the colours of scans if the style shows organs, for files
+                       with one colour per mover.
 
-        Raises PlayerError as `value_range` does, and with `as_file` for values that change while
-        the plant grows.
+        Raises PlayerError as `value_range` does.
         """
         clip, mode = self._clip, style.color_mode(self._clip)
         if mode.per_mover:
             scale, (_, values) = self._range_of(style), self._values(mode, style.field)
             pairs = zip(clip.intervals, values, strict=True)
             return replace(clip, intervals=tuple(scale.colored(*pair) for pair in pairs))
-        if as_file and mode.colormap:
-            raise PlayerError(
-                f"--color {mode} changes while the plant grows: it is for pictures and films; "
-                "point files take scan, track or error."
-            )
-        if as_file and mode is ColorMode.TRACK:
+        if without_scans and mode is ColorMode.TRACK:
             bare = [replace(one, start_colors=None, end_colors=None) for one in clip.intervals]
             return replace(clip, intervals=tuple(bare))
         return clip
@@ -194,7 +188,7 @@ def range_and_values(clip: Clip, mode: ColorMode, field: str) -> tuple[ValueRang
         case ColorMode.ERROR:
             values, title = holdout_errors(clip), f"{title} against a scan left out"
             high = _high_end(values)
-        case _:
+        case _:  # ColorMode.FIELD
             index = clip.fields.index(field) if field in clip.fields else 0
             values = [interval.fields[index] for interval in clip.intervals]
             title, unit, finite = clip.fields[index], "", _finite(values)

@@ -38,6 +38,11 @@ class ColorMode(StrEnum):
         """Whether movers have values at the scans, which a copy of the clip stores as colours."""
         return self in (ColorMode.GROWTH, ColorMode.FIELD, ColorMode.ERROR)
 
+    @property
+    def changes_in_time(self) -> bool:
+        """Whether a mover's colour changes between scans, which only pictures can show."""
+        return bool(self.colormap) and not self.per_mover
+
     def why_unavailable(self, clip: Clip) -> str:
         """Why a clip lacks this mode, and how to bake it with the mode; "" if it is available."""
         if self is ColorMode.FIELD and not clip.fields:

@@ -10,7 +10,7 @@ from typing import Any
 import gclip
 from gclip.errors import UserError
 from player.export.film import Film
-from player.export.formats import FORMATS, export, format_of
+from player.export.formats import FORMATS, STILL, export, format_of
 from player.output_names import unused_path
 from player.view.camera_animation import CameraPath, load_path, save_path
 from player.view.choices import Request
@@ -130,7 +130,7 @@ def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Fil
         size=(max(width, 16), max(height, 16)),
         turning=scene.turning,
         style=scene.style,
-        at=(scene.timeline.day,) if chosen.max_days == 1 else (),
+        at=(scene.timeline.day,) if chosen.moments == STILL else (),
         transparent=scene.output.transparent and chosen.suffixes[0] == ".png",
         name=name,
         path=path,

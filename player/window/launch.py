@@ -15,6 +15,7 @@ from player.errors import PlayerError
 from player.gl.gl_errors import ContextLost
 from player.gl.timers import profile_table
 from player.view.camera_animation import CameraPath, load_path
+from player.view.playback import Timeline
 from player.view.state import Scene
 from player.view.style import ColorMode, GroundChoice, Style
 from player.window.app import Window
@@ -28,10 +29,12 @@ MAX_RESETS = 3  # of the graphics driver, after which the player gives up
 def start(
     files: Sequence[Path], style: Style, size: tuple[int, int] | None,
     ground: GroundChoice | None, turning: bool, path: Path | None, profile: bool,
+    day: float | None = None,
 ) -> None:  # fmt: skip
     """Play one clip, or two side by side, for the command line.
 
-    size, ground: None for those of the last session; path: file of a camera path to follow.
+    size, ground: None for those of the last session; path: file of a camera path to follow; day:
+    at which playback starts, by default that of the first scan.
     Raises ClipError for a damaged clip, and PlayerError as `show` does.
     """
     clips = [OpenClip.from_file(file) for file in files]
@@ -41,6 +44,8 @@ def start(
     camera_path = load_path(path, clips[0].clip) if path else CameraPath()
     visible = {name: getattr(saved, name) for name in ("panel", "guides", "legend")}
     changes = {"turning": turning, "path": camera_path, "following": bool(camera_path), **visible}
+    if day is not None:
+        changes["timeline"] = replace(Timeline.of(clips[0].clip.times).at(day), playing=True)
     style = replace(style, ground=ground or saved.ground)
     scene, final_size = show(
         clips, style, size=size or saved.size, changes=changes, profile=profile

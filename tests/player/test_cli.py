@@ -12,7 +12,10 @@ import moderngl
 import numpy as np
 import pytest
 
+import gclip
+import player.export
 from player.cli import main
+from player.export import Film
 from tests.player.conftest import ClipMaker
 
 
@@ -96,12 +99,46 @@ def test_bad_wishes(saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert "CLIP" in refusal(capsys)
     table = tmp_path / "t.csv"
     for words in (["--color", "age"], ["--ground", "light"], ["--camera", "turntable"]):
-        assert "t.csv holds numbers alone" in refusal(capsys, saved, "--export", table, *words)
-    for name in ("t.csv", "p.html", "p.glb"):
-        assert "--scale-bar" in refusal(capsys, saved, "--export", tmp_path / name, "--scale-bar")
-        assert not (tmp_path / name).exists()
+        said = refusal(capsys, saved, "--export", table, *words)
+        assert f"{words[0]} has no effect on t.csv; it is for film.mp4" in said
     assert "has no suffix" in refusal(capsys, saved, "--export", tmp_path / "film")
     assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "words", "said"),
+    [
+        ("s.png", ["--every", "3"], "--every has no effect on s.png; it is for film.mp4, film.gif"),
+        ("p.html", ["--every", "3"], "--every has no effect on p.html"),
+        ("c.ply", ["--fps", "9"], "--fps has no effect on c.ply"),
+        ("f.mp4", ["--day", "1"], "--day has no effect on f.mp4; it is for still.png"),
+        ("p.glb", ["--no-floor"], "--floor has no effect on p.glb"),
+        ("t.csv", ["--scale-bar"], "--scale-bar has no effect on t.csv"),
+        ("p.html", ["--scale-bar"], "--scale-bar has no effect on p.html"),
+        ("p.html", ["--color", "height"], "p.html takes auto, scan, track, growth, field, error."),
+        ("c.ply", ["--color", "speed"], "--color speed changes while the plant grows"),
+        ("%04d.mp4", [], "%04d.mp4 is numbered, as pictures and clouds of points may be."),
+    ],
+)
+def test_options_without_effect_are_refused(
+    saved: Path, capsys: pytest.CaptureFixture[str], name: str, words: list[str], said: str
+) -> None:
+    assert said in refusal(capsys, saved, "--export", saved.with_name(name), *words)
+    assert not saved.with_name(name).exists()
+
+
+@pytest.mark.parametrize("words", [["--title", "x"], ["--every", "2"], ["--force"], ["--date"]])
+def test_the_window_refuses_options_of_exports(
+    saved: Path, capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    assert f"{words[0]} is for exports; add --export PATH." in refusal(capsys, saved, *words)
+
+
+def test_one_picture_of_a_long_film_is_no_film(saved: Path) -> None:
+    picture = saved.with_name("x.png")
+    film = Film(size=(64, 64), seconds=36000, fps=240)
+    player.export.export(gclip.open(saved), film, picture)
+    assert picture.exists()
 
 
 def test_no_egl_names_the_packages(
@@ -170,7 +207,7 @@ def test_a_camera_path_drives_the_export(make_clip: ClipMaker, tmp_path: Path) -
     [
         (["--camera", "round"], "still, turntable or a camera path"),
         (["--camera", "none.json", "--export", "a.png"], "'none.json' can't be read"),
-        (["b.gclip", "--info"], "or two without them"),
+        (["b.gclip", "--info"], "the window shows one or two"),
     ],
 )
 def test_wrong_cameras_and_pairs_are_refused(

@@ -172,7 +172,7 @@ def test_a_film_runs_in_real_time_from_the_first_scan_to_the_last(clip: Clip) ->
         ("film", SMALL, ".mp4, .mov, .gif"),
         ("missing/film.mp4", SMALL, "No such file"),
         ("film.mp4", Film(size=(63, 48)), "64x48"),
-        ("film.mp4", Film(at=(1.0,)), "for pictures"),
+        ("film.mp4", Film(at=(1.0,)), "it is for still.png"),
         ("still.png", Film(at=(1.0, 2.0)), "several"),
         ("film.gif", Film(fps=60), "50"),
         ("%s.png", SMALL, "%04d"),

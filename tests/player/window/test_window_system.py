@@ -6,17 +6,21 @@ import shutil
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from gclip import Clip
+from player.cli import main
 from player.errors import PlayerError
 from player.view.camera import Camera
 from player.view.playback import Timeline
 from player.view.state import Scene
 from player.view.style import Style
+from player.window import launch
 from player.window.glfw_window import WindowSize
 from player.window.launch import show
 from player.window.viewports import TIMELINE_HEIGHT, TITLE_HEIGHT, home_camera, with_fitted_cameras
@@ -94,6 +98,21 @@ def test_the_time_of_each_pass_is_told_at_the_end(
     assert played.returncode == 0
     assert "picture" in told
     assert re.search(r"all of a frame \(\d+ timed\) +[\d.]+ ms", told)
+
+
+def test_day_is_where_playback_starts(
+    clip_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown = []
+
+    def keep(clips: object, style: Style, **settings: Any) -> None:
+        shown.append(settings["changes"]["timeline"])
+        raise PlayerError("closed")
+
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    monkeypatch.setattr(launch, "show", keep)
+    assert main([str(clip_file), "--day", "2020-03-10"]) == 2
+    assert shown == [replace(Timeline.of(TIMES).at(2.0), playing=True)]
 
 
 def test_no_display_is_refused_in_one_sentence(monkeypatch: pytest.MonkeyPatch) -> None:
