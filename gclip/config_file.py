@@ -59,4 +59,4 @@ def read_config(path: Path, kind: type[T], most: int) -> T:
         found = f"{numbered} is {printable(repr(content), 80)}; " if field else ""
         raise UserError(f"'{path}': {found}{printable(reason, 120)}.") from None
     except (DecodeError, RecursionError, ValueError) as error:  # a number of 5,000 digits
-        raise UserError(f"'{path}' is no sound {path.suffix[1:].upper()} file: {error}.") from None
+        raise UserError(f"'{path}' is not valid {path.suffix[1:].upper()}: {error}.") from None

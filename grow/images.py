@@ -49,7 +49,7 @@ def write_images(
     DDD is the day, SS the number of the image in that day. The true depth and labels are in
     `folder`/truth, with the same names.
 
-    wrote: called with the name of each frame and its number of labelled pixels.
+    report_written: called with the name of each frame and its number of labelled pixels.
     Raises InputError if the plan is impossible, or the folder can't be written or has images.
     """
     plant = rosette(plan.seed)

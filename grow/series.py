@@ -49,7 +49,7 @@ def write_series(
     folder : Path
     force : bool
         Replace existing scans and truth.
-    wrote : callable, optional
+    report_written : callable, optional
         Called with the name of each file and its number of points.
 
     Raises

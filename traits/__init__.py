@@ -1,6 +1,6 @@
 """Traits of the plant in a growth clip: lengths, areas, angles and growth rates of its organs.
 
-docs/traits.md says how they are measured, docs/exports.md describes the table.
+docs/traits.md says how they are measured, and describes the columns of the table.
 """
 
 import lazy_loader

@@ -54,7 +54,7 @@ def data_frame(
     Returns
     -------
     pandas.DataFrame
-        One value in each row, with the columns of docs/exports.md; ``sure`` as bool.
+        One value in each row, with the columns of docs/traits.md; ``sure`` as bool.
 
     Raises
     ------

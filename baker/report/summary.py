@@ -44,8 +44,9 @@ def summary_lines(
         rows["stages"] = ", ".join(f"{stage} {s:.1f} s" for stage, s in seconds.items())
     if cached:
         rows["from the cache"] = cached
-    size = path.stat().st_size / 1e6
-    rows["written"] = f"{path} ({size:.1f} MB) after {sum(seconds.values()):.1f} s"
+    kilobytes = path.stat().st_size / 1e3
+    size = f"{kilobytes / 1e3:.1f} MB" if kilobytes >= 100 else f"{kilobytes:.0f} kB"
+    rows["written"] = f"{path} ({size}) after {sum(seconds.values()):.1f} s"
     width = max(map(len, rows))
     return [f"{name:<{width}}  {value}" for name, value in rows.items()]
 

@@ -81,5 +81,5 @@ def with_clean_labels(scan: Scan, neighbors: Neighbors) -> Scan:
     if not count:
         return scan
     points = "point was given" if count == 1 else "points were given"
-    note = f"{count} {points} the label of the organ that lies around."
+    note = f"{count} {points} the label of the surrounding organ."
     return replace(scan, labels=labels).noting(note)

@@ -80,7 +80,7 @@ def verdict(error: Exception) -> tuple[int, str]:
 def _usage_error(error: Any) -> str:
     """What is wrong with a command line, from an exception of typer's."""
     if error.__cause__ is None:
-        return error.format_message().rstrip(".")
+        return error.format_message()
     wrong = error.__cause__.errors()[0]  # pydantic's, which has the value
     option, value = error.param.get_error_hint().replace("'", ""), repr(wrong["input"])
     return f"{option} is {printable(value, 80)}; {wrong.get('ctx', {}).get('error', wrong['msg'])}"
@@ -120,7 +120,7 @@ def run_app(
         except Exit as error:
             return error.exit_code
         except TyperException as error:
-            raise UserError(f"{_usage_error(error)}; see `{command} --help`.") from None
+            raise UserError(f"{_usage_error(error).rstrip('.')}; see `{command} --help`.") from None
 
     # Read when numpy is loaded. The rounding of a sum depends on the number of threads, but the
     # bytes of a file must not depend on the machine; other threads use all cores anyway.

@@ -93,7 +93,7 @@ def refused(path: Path, content: bytes) -> str:
     ],
 )
 def test_counts_that_lie_make_no_room(name, content, tmp_path):
-    assert re.search(r"announces|no sound PLY", refused(tmp_path / name, content.encode()))
+    assert re.search(r"announces|not a valid PLY", refused(tmp_path / name, content.encode()))
 
 
 def test_fields_of_many_values_make_no_room(tmp_path):

@@ -39,8 +39,8 @@ def test_what_is_written_is_read(corrections, tmp_path_factory):
         ('"cut"', '"same"', "same needs 2 places"),
         ('"cut"', '"name"', "name is needed"),
         ("correction", "korrection", "korrection"),
-        ("[[", "[", "is no sound TOML file"),
-        ("a.ply", "a\x00", "is no sound TOML file"),
+        ("[[", "[", "is not valid TOML"),
+        ("a.ply", "a\x00", "is not valid TOML"),
         ("kind", "'a - at `$.correction[9].b'", "unknown field `a"),
     ],
 )

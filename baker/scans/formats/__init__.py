@@ -136,7 +136,7 @@ def _read(reader: str, path: Path, names: Sequence[str], child: ChildProcess | N
         raise
     except BaseException as error:  # a panic of the LAZ decoder is not an Exception
         reason = " ".join((str(error) or type(error).__name__).split())[:120]
-        sentence = f"is no sound {path.suffix[1:].upper()} file, or is cut short ({reason})."
+        sentence = f"is not a valid {path.suffix[1:].upper()} file, or is cut short ({reason})."
         raise FormatError(sentence) from error
 
 
@@ -153,5 +153,5 @@ def _unpacked(path: Path) -> Iterator[Path]:
                 while chunk := packed.read(shutil.COPY_BUFSIZE):  # type: ignore[attr-defined]
                     require_no_bomb(path, file.tell() + file.write(chunk))
         except (EOFError, zlib.error, gzip.BadGzipFile) as error:
-            raise FormatError(f"is no sound gzip file, or is cut short ({error}).") from error
+            raise FormatError(f"is not a valid gzip file, or is cut short ({error}).") from error
         yield plain

@@ -19,7 +19,7 @@ NUMBERS = "biuf"  # dtype kinds
 def read(path: Path) -> Columns:
     """Read the columns of a table (NPY), or the arrays of an archive (NPZ)."""
     if path.suffix.lower() == ".npz":
-        _require_sound_headers(path)
+        _require_valid_headers(path)
         with np.load(path, allow_pickle=False) as file:
             return Columns(_columns_of(dict(file)))
     # A memory map allocates nothing for values that a damaged header only announces.
@@ -65,7 +65,7 @@ def _table(name: str, values: NDArray, widths: Container[int]) -> NDArray:
     return values
 
 
-def _require_sound_headers(path: Path) -> None:
+def _require_valid_headers(path: Path) -> None:
     """Refuse arrays that announce more than the archive holds, before NumPy allocates them."""
     with zipfile.ZipFile(path) as archive:
         require_no_bomb(path, sum(member.file_size for member in archive.infolist()))

@@ -15,7 +15,7 @@ def read(path: Path) -> Columns:
     """Read x, y, z as scaled float64, and all other dimensions by their names in laspy."""
     import laspy
 
-    _require_sound_header(path)
+    _require_valid_header(path)
     with laspy.open(path, read_evlrs=False) as file:
         header, form = file.header, file.header.point_format
         if not header.scales.all():
@@ -33,10 +33,10 @@ def read(path: Path) -> Columns:
     return Columns({name: values for name, values in columns.items() if name not in unused})
 
 
-def _require_sound_header(path: Path) -> None:
+def _require_valid_header(path: Path) -> None:
     """Raise FormatError for records that can't be in the file; laspy spends minutes on them."""
     with path.open("rb") as file:
         header_size, points_offset, records = struct.unpack("<HII", file.read(104)[94:])
     if not header_size + records * MIN_RECORD_BYTES <= points_offset <= path.stat().st_size:
         content = f"announces {records} records between bytes {header_size} and {points_offset}"
-        raise FormatError(f"is no sound LAS file, or is cut short (its header {content}).")
+        raise FormatError(f"is not a valid LAS file, or is cut short (its header {content}).")

@@ -86,7 +86,7 @@ def test_a_scan_that_brings_its_reader_down_is_named(tmp_path, capsys):
     place = sound.index((50_000).to_bytes(4, "little"))
     lying = sound[:place] + (3_400_000_000).to_bytes(4, "little") + sound[place + 4 :]
     (folder / "day01.laz").write_bytes(lying)
-    with pytest.raises(InputError, match=r"day01\.laz' is no sound LAZ file, or is cut short"):
+    with pytest.raises(InputError, match=r"day01\.laz' is not a valid LAZ file, or is cut short"):
         read_series([folder], Options())
     assert main([str(folder), "-o", str(tmp_path / "p.gclip"), "-q"]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1

@@ -60,5 +60,5 @@ def test_cut_short_is_refused(tmp_path, points):
     whole = (tmp_path / "a.e57").read_bytes()
     for size in (1, 47, 500, len(whole) // 2, len(whole) - 1):
         (tmp_path / "a.e57").write_bytes(whole[:size])
-        with pytest.raises(InputError, match=r"a\.e57' is no sound E57 file"):
+        with pytest.raises(InputError, match=r"a\.e57' is not a valid E57 file"):
             read_columns(tmp_path / "a.e57")

@@ -192,7 +192,7 @@ def test_a_gzipped_file_that_is_cut_short_or_none_is_refused(tmp_path):
     packed = gzip.compress(b"1 2 3\n4 5 6\n" * 50)
     for content in (packed[:-9], packed[:20], b"1 2 3\n", gzip.compress(b"")):
         (tmp_path / "a.xyz.gz").write_bytes(content)
-        with pytest.raises(InputError, match=r"a\.xyz\.gz' (is no sound gzip|is an empty file)"):
+        with pytest.raises(InputError, match=r"a\.xyz\.gz' (is not a valid gzip|is an empty file)"):
             read(tmp_path / "a.xyz.gz")
 
 

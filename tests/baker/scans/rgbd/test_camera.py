@@ -63,7 +63,7 @@ def test_four_numbers_are_enough_and_json_will_do(tmp_path: Path) -> None:
         (("fx = 610", "fx = -1"), "fx is -1; Expected `float` >= 1e-09"),
         (("fx = 610", 'fx = "wide"'), "fx is 'wide'; Expected `float`"),
         (("fx = 610", "fx = nan"), "fx is nan"),
-        (("fx = 610", "fx ="), "is no sound TOML file"),
+        (("fx = 610", "fx ="), "is not valid TOML"),
         (("width = 480", "widht = 480"), "unknown field `widht`"),
         (("color = ", "colors = "), "images is .*unknown field `colors`"),
         (("per_day = 24", "per_day = 0.5"), "per_day is 0.5; Expected `int`"),
