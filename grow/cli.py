@@ -9,7 +9,6 @@ import typer
 
 from baker.errors import InputError
 from gclip.terminal.command import VersionOption, run_app
-from grow.kinds import KINDS
 
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 
@@ -22,7 +21,15 @@ PANELS = {
 """Panel of `grow --help` -> names of its options, in their order there."""
 
 
-Kind = StrEnum("Kind", [*KINDS, "komatsuna"])  # the last one for a depth camera
+class Kind(StrEnum):
+    """The plants of `KINDS`, and the one of the depth camera."""
+
+    maize = "maize"
+    tomato = "tomato"
+    tree = "tree"
+    tree1 = "tree1"
+    tree2 = "tree2"
+    komatsuna = "komatsuna"
 
 
 class Format(StrEnum):
@@ -118,14 +125,14 @@ def grow_command(
         "--shuffle-labels": shuffle_labels,
         "--pose": pose,
     }
-    _refuse(kind, for_scans if kind == "komatsuna" else for_images)
+    _refuse(kind, for_scans if kind is Kind.komatsuna else for_images)
 
     def report_progress(name: str, count: int) -> None:
         if not quiet:
-            unit = "labelled pixels" if kind == "komatsuna" else "points"
+            unit = "labelled pixels" if kind is Kind.komatsuna else "points"
             print(f"{name}  {count:,} {unit}", flush=True)
 
-    if kind == "komatsuna":
+    if kind is Kind.komatsuna:
         from grow import images
 
         faults = images.Faults(**_specified(noise=noise, labels=label_shift))
