@@ -44,7 +44,7 @@ PAGES = (
 BLOCK = re.compile(r"(?:<!-- not run: (.+?) -->\n)?^```(\w+)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 SMALL_PLANT = ["--points", "700", "--scans", "4"]
 SMALL_IMAGES = ["--size", "96x72", "--days", "2"]
-SMALL_PICTURE = ["--size", "96x64", "--fps", "2"]
+SMALL_PICTURE, SMALL_RATE = ["--size", "96x64"], ["--fps", "2"]  # the latter of films
 PICTURES = (".mp4", ".gif", ".webm", ".png")
 
 
@@ -126,7 +126,8 @@ def run_shell(text: str, display: dict[str, str]) -> None:
             assert bake([*words, "--paths", "straight", "--workers", "1"]) == 0, line
         elif "--export" in words:
             drawn = words[words.index("--export") + 1].endswith(PICTURES)
-            assert play([*words, *(SMALL_PICTURE if drawn else [])]) == 0, line
+            rate = [] if "--day" in words else SMALL_RATE
+            assert play([*words, *([*SMALL_PICTURE, *rate] if drawn else [])]) == 0, line
         elif {"--info", "--list-exports"} & set(words):
             assert play(words) == 0, line
         else:
