@@ -1,4 +1,4 @@
-"""Find the up axis: a plant has a thin stem at its lowest point, and most of its surface above."""
+"""Find the up axis: a plant grows away from its base, which stays where it is, on a thin stem."""
 
 from collections.abc import Sequence
 
@@ -10,12 +10,18 @@ from baker.geometry.up_axis import Vertical
 from baker.scans.scan import Finding
 
 # By how much the cost of each direction must be less than that of z, which is usual; some programs
-# write y. Of 157 real pairs of scans with z up, the cost of one is less by more than 0.2 along y,
-# and that of none by 0.5 along another direction.
+# write y. Of 157 real pairs of scans with z up one is taken for another direction, if turned so
+# that y is up 3; of their 20 series none (docs/method.md, "Alignment").
 NEEDED_LEADS = {"z": 0.0, "y": 0.2, "x": 0.5, "-z": 0.5, "-y": 0.5, "-x": 0.5}
-CLOSE_COST = 0.1  # difference of costs below which another direction is named as a doubt
+CLOSE_COST = 0.3  # difference of costs below which another direction is named as a doubt
 STEM_SHARE = 0.15  # of the longest geodesic distance from the lowest point: the bare stem
 SAMPLE_SIZE = 800  # points of a scan from which its costs are computed
+END_QUANTILE = 0.01  # of the heights, that of the lower end
+LEAST_MOTION = 0.02  # of the ends of an axis, in sizes of the plant, that tells its direction
+HALF_TRUSTED = 2.0  # number of intervals whose motions count by half
+MIN_FLATNESS = (
+    1.3  # ratio of the extent across an axis to that along it, from which a plant is flat
+)
 
 
 def find_up(
@@ -24,26 +30,44 @@ def find_up(
     """Find the direction of growth of a series, "x", "y", "z", "-x", "-y" or "-z".
 
     It is the `requested` one, unless that is "auto"; else the direction away from the ground, if
-    there is one; else z, unless the mean cost of the scans is much less along another direction.
+    there is one; else z, unless the cost is much less along another direction.
     """
     if requested != "auto":
         return requested, [Finding("up", f"{requested}, as asked")]
     if ground_up:
         return ground_up, [Finding("up", f"{ground_up}, away from the ground that the scans show")]
-    directions = list(NEEDED_LEADS)
-    costs = np.mean([_costs(sample) for sample in samples], axis=0)
-    best = int(np.argmin(costs + list(NEEDED_LEADS.values())))
-    reason = "along it the plants stand on stems" if best else "as scans usually have it"
-    second_best = min(set(range(len(costs))) - {best}, key=costs.__getitem__)
+    directions, leads = zip(*NEEDED_LEADS.items(), strict=True)
+    costs = np.mean([_stem_costs(sample) for sample in samples], axis=0) + _growth_costs(samples)
+    best, second = np.argsort(costs + leads, kind="stable")[:2].tolist()
+    reason = "by the plants' stems and growth" if best else "as scans usually have it"
     doubt = ""
-    if costs[second_best] - costs[best] < CLOSE_COST:
-        likely = "rather" if costs[second_best] < costs[best] else "as well"
-        doubt = f"by their shape they might {likely} grow along {directions[second_best]}"
-    description, option = f"{directions[best]}, {reason}", f"--up {directions[second_best]}"
+    if costs[second] + leads[second] - costs[best] - leads[best] < CLOSE_COST:
+        likely = "rather" if costs[second] < costs[best] else "as well"
+        who = "they" if best else "by their stems and growth they"
+        doubt = f"{who} might {likely} grow along {directions[second]}"
+    description, option = f"{directions[best]}, {reason}", f"--up {directions[second]}"
     return directions[best], [Finding("up", description, doubt, option if doubt else "")]
 
 
-def _costs(sample: EvenSample) -> NDArray[np.float64]:
+def _growth_costs(samples: Sequence[EvenSample]) -> NDArray[np.float64]:
+    """(6,) cost of each direction: less where the lower end rests, and if the plant is flat.
+
+    The lower end of a plant rests while the upper one grows away from it; along other axes both
+    ends move alike. A plant that is much shorter along an axis than across it, such as a rosette,
+    has no stem to be seen, and grows along that axis.
+    """
+    heights = [(sample.points + sample.offset)[:, [2, 1, 0]] for sample in samples]  # z, y, x
+    extents = np.mean([np.ptp(scan, axis=0) for scan in heights], axis=0) + np.finfo(float).tiny
+    quantiles = [np.quantile(scan, [END_QUANTILE, 1.0 - END_QUANTILE], axis=0) for scan in heights]
+    motions = np.abs(np.diff(quantiles, axis=0)).sum(axis=0) / max(len(samples) - 1, 1)
+    resting = (motions[1] - motions[0]) / (motions.sum(axis=0) + LEAST_MOTION * extents.max())
+    resting *= (len(samples) - 1) / (len(samples) - 1 + HALF_TRUSTED)
+    across = np.array([np.delete(extents, axis).min() for axis in range(3)])
+    flatness = np.maximum(1.0 - MIN_FLATNESS * extents / np.maximum(across, extents), 0.0)
+    return -np.concatenate([resting + flatness, flatness - resting])
+
+
+def _stem_costs(sample: EvenSample) -> NDArray[np.float64]:
     """(6,) cost of each direction: relative width and lean of the stem, and lowness of the mass."""
     from scipy.sparse.csgraph import dijkstra
 

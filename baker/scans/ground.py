@@ -14,9 +14,9 @@ from baker.scans.scan import Finding, Scan
 
 MAX_SAMPLE = 20_000  # number of points of a scan in which its ground is searched for
 DIRECTIONS = ("z", "y", "x", "-z", "-y", "-x")  # candidates for up, the most usual first
-# Least score of a ground along an unusual direction, and of one that is certain. Discs of soil of
-# 3 to 300 % of the plant's size, sloped, rough, oblong or in mounds, score 0.57 or more; twenty
-# plants without ground at most 0.46 upright and 0.63 upside down.
+# Least score of a ground along an unusual direction or in few scans, and of one that is certain.
+# Discs of soil of 3 to 300 % of the plant's size, sloped, rough, oblong or in mounds, score 0.57 or
+# more; twenty plants without ground at most 0.46 upright and 0.63 upside down.
 MIN_UNUSUAL_SCORE, CERTAIN_SCORE = 0.7, 0.55
 MAX_LAYERS = 3  # grounds that are removed one after the other: a table, then the pot on it
 MIN_SHARE_OF_LABEL = 0.5  # of a label's points that lie in the ground, if it labels the ground
@@ -35,13 +35,13 @@ def remove_ground(
     none was found, and the findings.
     """
     directions = DIRECTIONS if up == "auto" else (up,)
-    remaining, ground_up, findings = list(scans), "", []
+    remaining, ground_up, findings = list(scans), "", list[Finding]()
     for _ in range(MAX_LAYERS):
         direction, grounds = _find_grounds(remaining, directions, map)
-        if not any(grounds):
+        showing = [scan.name for scan, ground in zip(scans, grounds, strict=False) if ground]
+        if not showing or (findings and 2 * len(showing) <= len(scans)):
             break
         ground_up, directions = direction, (direction,)
-        showing = [scan.name for scan, ground in zip(scans, grounds, strict=True) if ground]
         kind = "a pot" if any(isinstance(ground, Pot) for ground in grounds) else "a plane"
         description = f"{kind} under the plant in {len(showing)} of {len(scans)} scans"
         if keep:
@@ -73,7 +73,7 @@ def _find_grounds(
     """Find the ground of each scan, along the first direction along which most scans show one.
 
     Along the usual direction, it is enough if some scans show one; only grounds with a score of at
-    least `CERTAIN_SCORE` are then returned.
+    least `MIN_UNUSUAL_SCORE` are then returned.
     """
     points = [scan.points for scan in scans]
     for up in directions:
@@ -85,7 +85,7 @@ def _find_grounds(
         score = np.median([ground.score if ground else 0.0 for ground in grounds])
         if score >= (MIN_SCORE if is_usual else MIN_UNUSUAL_SCORE):
             return up, grounds
-        certain = [g if g and g.score >= CERTAIN_SCORE else None for g in grounds]
+        certain = [g if g and g.score >= MIN_UNUSUAL_SCORE else None for g in grounds]
         if is_usual and any(certain):
             return up, certain
     return "", []

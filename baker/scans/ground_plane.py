@@ -22,6 +22,8 @@ MAX_SLOPE = 0.5  # of the ground against the direction of growth: 27 degrees
 MIN_THICKNESS = 0.05  # of a ground without any roughness, in widths of a cell
 THICKNESS = 3.0  # of a ground, in standard deviations of its heights
 MAX_COVERED = 0.5  # share of the ground's cells that may have points just above them
+MAX_GAPS, GAP_RADIUS = 0.05, 2.0  # share of the ground in gaps; their least radius, in spacings
+PLACES = 2_000  # number of random places at which gaps are searched for
 MIN_IN_MIDDLE = 0.1  # share of the points just above the ground that are 1/4 radius from its edge
 MIN_SCORE = 0.5  # of a ground, see `Ground.score`
 
@@ -117,8 +119,30 @@ def _carries_plant(ground: Ground, sample: Points, columns: Points, width: float
     covered = np.unique(columns[over & (heights <= 3 * thickness)])
     return bool(
         len(covered) <= MAX_COVERED * len(bare)
+        and _gap_share(ground, sample, width) <= MAX_GAPS
         and np.sum(just_above > width + radius / 4) >= max(1, MIN_IN_MIDDLE * len(just_above))
     )
+
+
+def _gap_share(ground: Ground, sample: Points, margin: float) -> float:
+    """The share of the ground, without a margin, that has no point near, nor any above it.
+
+    Near is compared with the mean spacing of the ground's points. A plant hides the ground from
+    above, but the gaps between leaves are open.
+    """
+    from scipy.spatial import cKDTree
+
+    rotated, heights, inside = ground.coordinates(sample)
+    is_above = (heights >= -ground.thickness) & (inside >= margin)
+    flat, count = rotated[is_above, :2], int(np.sum(heights[is_above] <= ground.thickness))
+    if not count:
+        return 1.0
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    places = np.random.default_rng(SEED).uniform(low, high, (PLACES, 2))
+    edges = ground.outline
+    places = places[(places @ edges[:, :2].T + edges[:, 2] <= -margin).all(axis=1)]
+    spacing = np.sqrt(np.prod(high - low) * len(places) / PLACES / count)
+    return float((cKDTree(flat).query(places)[0] > GAP_RADIUS * spacing).mean())
 
 
 def _lowest_points(points: Points, share: float) -> tuple[Points, float]:
