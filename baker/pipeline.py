@@ -35,6 +35,7 @@ from baker.matching.match import chain_matches, match_series
 from baker.matching.segmentation_choice import choose_segmentations
 from baker.options import Options
 from baker.scans import Finding, Series, read_series
+from baker.scans.size import points_finding
 from baker.segmentation.from_labels import labelled_hierarchies
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
 from baker.segmentation.hierarchy import Hierarchy, one_segment
@@ -65,9 +66,7 @@ class Survey:
     @property
     def findings(self) -> tuple[Finding, ...]:
         """The decisions about the series, with the doubts about them."""
-        sizes = sorted({len(scan) for scan in self.series.scans})
-        size = " to ".join(f"{size:,}" for size in dict.fromkeys((sizes[0], sizes[-1])))
-        points = Finding("points", f"{len(self.series.scans)} scans of {size}")
+        points = points_finding(self.series.scans)
         stages = (self.raw, self.alignment, self.labels)
         return (points, *(finding for stage in stages for finding in stage.findings))
 

@@ -132,8 +132,10 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     check_output(outputs.traits, outputs.force, "a table of traits", ".csv")
     corrected = with_corrections(options, outputs.clip)
     with StageProgress(outputs.quiet) as progress:
+        doubted = list[str]()
 
         def report_findings(findings: Sequence[Finding]) -> None:
+            doubted.extend(dict.fromkeys(item.topic for item in findings if item.doubt))
             for line in finding_lines(findings):
                 progress.say(line)
             if corrected is not options:
@@ -151,5 +153,5 @@ def bake_one(inputs: Sequence[Path], options: Options, outputs: Outputs) -> None
     lines += error_lines(errors, clip.unit) if errors else []
     written = {"report": outputs.report, "traits": outputs.traits}
     lines += [f"{kind}: {path}" for kind, path in written.items() if path is not None]
-    for line in [*lines, verdict_line(clip, outputs.clip)]:
+    for line in [*lines, verdict_line(clip, outputs.clip, doubted)]:
         progress.say(line)

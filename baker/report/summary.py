@@ -51,11 +51,15 @@ def summary_lines(
     return [f"{name:<{width}}  {value}" for name, value in rows.items()]
 
 
-def verdict_line(clip: Clip, path: Path) -> str:
-    """The verdict on a clip, and the command that plays the most doubtful interval, if any."""
+def verdict_line(clip: Clip, path: Path, doubted: Sequence[str] = ()) -> str:
+    """The verdict on a clip, and the command that plays the most doubtful interval, if any.
+
+    doubted: topics of the findings about the series that are to be looked at first.
+    """
     line, doubts = clip.provenance["verdict"]["line"], group_by_interval(doubts_of(clip))
     command = f" Look: {command_for(doubts[0][0], path)}" if doubts else ""
-    return str(line + command)
+    above = f" But look first at what is said above of: {', '.join(doubted)}." if doubted else ""
+    return f"{line}{command}{above}"
 
 
 def error_lines(errors: Sequence[HoldoutError], unit: str) -> list[str]:

@@ -19,7 +19,8 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[
     """Find the files of a series: those of one folder, in natural order, or a list of files.
 
     In a folder, hidden files, sub-folders, files of unknown suffix and texts such as README.txt are
-    ignored; so are meshes and arrays where there are two or more point clouds.
+    ignored; so are meshes and arrays where there are two or more point clouds, and files without a
+    number in their names beside numbered ones of another suffix.
 
     Parameters
     ----------
@@ -70,6 +71,9 @@ def _find_in_folder(folder: Path, times_file: Path | None) -> tuple[Path, ...]:
             _require_file(path)
         clouds = [path for path in scans if READERS[suffix_of(path)] not in SECONDARY_READERS]
         scans = clouds if len(clouds) > 1 else scans
+        usual, count = Counter(map(suffix_of, scans)).most_common(1)[0] if scans else ("", 0)
+        if count > 1 and all(_is_numbered(path) for path in scans if suffix_of(path) == usual):
+            scans = [path for path in scans if suffix_of(path) == usual or _is_numbered(path)]
         if times_file is not None and times_file.exists():
             scans = [path for path in scans if not path.samefile(times_file)]
     if len(scans) < 2:
@@ -107,6 +111,10 @@ def _is_named_as_scan(path: Path) -> bool:
     return is_known and not path.name.startswith(".")
 
 
+def _is_numbered(path: Path) -> bool:
+    return re.search(r"\d", path.stem) is not None
+
+
 def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
     """Raise InputError where suffixes differ, or names differ in more than a time or a counter.
 
@@ -119,8 +127,9 @@ def _require_one_series(folder: Path, scans: Sequence[Path]) -> None:
     for kinds, may_all_differ in groupings:
         count = len(set(kinds))
         if count > 1 and not (may_all_differ and count == len(scans)):
-            odd = next(i for i, kind in enumerate(kinds) if kind != kinds[0])
+            odd = scans[next(i for i, kind in enumerate(kinds) if kind != kinds[0])]
+            remark = "" if _is_numbered(odd) else ", which names no day"
             raise InputError(
                 f"'{folder}' seems to hold more than one series ('{scans[0].name}' and "
-                f"'{scans[odd].name}'); give each its own folder, or name the files of one."
+                f"'{odd.name}'{remark}); give each its own folder, or name the files of one."
             )

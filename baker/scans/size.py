@@ -1,4 +1,4 @@
-"""Check that all scans of a series are in the same unit of length, and report the plant's size."""
+"""Check that all scans of a series are in the same unit of length, and report their sizes."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -14,6 +14,8 @@ PLANT_SIZES = (2e-3, 100.0)  # meters, of the smallest and the largest plant
 MAX_RATIO = 30.0  # of the sizes of two successive scans; no plant grows by so much
 LIKELY_RATIO = 8.0  # above which the units of the scans are doubted; few plants grow by so much
 UNITS = (1e-3, 1e-2, 0.1, 1.0, 0.0254)  # units of length that are often mixed up, in meters
+MIN_POINTS = 100  # of a scan; below, organs are hardly seen
+STRAY_RATIO = 3.0  # size of a scan with its outermost points to that without; real ones 1.12
 MIN_SIZE = 1e-100  # replaces 0, which has no logarithm
 MAX_SAMPLE = 20_000  # points of a scan from which its size is estimated
 
@@ -51,6 +53,21 @@ def require_one_unit(scans: Sequence[Scan], unit: str) -> Finding:
     size = f"the last scan is {rounded[-1]} {unit}".rstrip() + " across"
     description = f"{unit}; {size}" if unit else f"that of the scans; {size} (--unit mm names it)"
     return Finding("unit", description, *doubts[:1])
+
+
+def points_finding(scans: Sequence[Scan]) -> Finding:
+    """Report the numbers of points, and doubt scans that have few points or some far away."""
+    counts = sorted({len(scan) for scan in scans})
+    found = " to ".join(f"{count:,}" for count in dict.fromkeys((counts[0], counts[-1])))
+    doubt = option = ""
+    for scan in scans:
+        size = float(np.ptp(scan.points, axis=0).max())
+        if size > STRAY_RATIO * _size(scan.points):
+            doubt = f"some of '{scan.name}' are far from the rest, all are {size:.3g} across"
+            option = "--outliers 2"
+        elif len(scan) < MIN_POINTS:
+            doubt, option = f"'{scan.name}' has only {len(scan)}", ""
+    return Finding("points", f"{len(scans)} scans of {found}", doubt, option)
 
 
 def _size(cloud: NDArray[np.floating]) -> float:

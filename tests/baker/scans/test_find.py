@@ -30,6 +30,19 @@ def test_gzipped_scans_are_one_series_with_plain_ones(make_folder):
     assert [path.name for path in find_scans([folder])] == ["day1.ply", "day2.ply.gz"]
 
 
+def test_notes_beside_numbered_scans_are_passed_over(make_folder):
+    scans = {"day1.ply": "", "day2.ply": ""}
+    found = find_scans([make_folder(scans | {"notes.txt": "", "meta.csv": "", "log.txt": ""})])
+    assert [path.name for path in found] == list(scans)
+    with pytest.raises(InputError, match=r"'day1\.ply' and 'final\.ply', which names no day"):
+        find_scans([make_folder(scans | {"final.ply": ""}, "unnumbered")])
+    with pytest.raises(InputError, match="more than one series"):
+        find_scans([make_folder(scans | {"day3.txt": ""}, "mixed")])
+    named = {"young.ply": "", "old.ply": "", "oldest.txt": ""}
+    with pytest.raises(InputError, match="more than one series"):
+        find_scans([make_folder(named, "named")])
+
+
 def test_meshes_and_arrays_beside_point_clouds_are_passed_over(make_folder):
     clouds = {"day1.ply": "", "day2.ply": ""}
     others = {"day1.obj": "", "day2.obj": "", "day2.npy": ""}
