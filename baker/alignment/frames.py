@@ -20,6 +20,8 @@ from baker.scans.scan import Finding
 # do, of triples 4 in 7.
 MIN_GAIN = 0.4
 CLOSE_GAIN = 0.2  # gain in fit of a single scan above which it is reported as a doubt
+# Scans in one frame have 1.5 or more (20 real series), rotated ones that stay at most 0.5.
+MIN_DISTINCTION = 1.0
 LARGE_MOVE = 0.2  # share of the plant's size; a scan that is moved farther is reported as a doubt
 MAX_LISTED_DOUBTS = 3  # of the finding
 
@@ -60,6 +62,8 @@ def frame_finding(
         registered = [name for name, stay in zip(names, stays, strict=True) if not stay]
         rest = f", but for {', '.join(registered)}, brought onto the others"
         description = f"the scans share a frame{rest if registered else ' and stay as they are'}"
+        if fit.distinction < MIN_DISTINCTION:
+            doubts.append("turned at random, they would fit each other nearly as well")
         doubts += [
             f"{name} would fit the scan before better turned by {wrapped(YAWS[index]):.0f} degrees"
             for name, _, index, gain in later

@@ -42,6 +42,16 @@ class YawFit(NamedTuple):
         """The fit of each scan at its yaw, minus that without a rotation."""
         return np.array([curve.max() - curve[0] for curve in self.curves])
 
+    @property
+    def distinction(self) -> float:
+        """By how many standard deviations scans fit better as given than at all yaws, on average.
+
+        It is about 0 if scans were rotated at random, and infinite if all yaws fit alike.
+        """
+        curves = [curve for curve in self.curves if np.ptp(curve) > 0.0]
+        scores = [(curve[0] - curve.mean()) / curve.std() for curve in curves]
+        return float(np.mean(scores)) if scores else np.inf
+
 
 def fit_yaws(poses: Sequence[Pose], labelled: bool) -> YawFit:
     """Compute the fit of each scan of a series to the previous one at all yaws.

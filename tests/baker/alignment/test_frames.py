@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 
-from baker.alignment import Alignment, align
+from baker.alignment import Alignment, align, frames
+from baker.alignment.sample import even_sample
+from baker.alignment.yaw import YAWS, YawFit
 from tests.baker.series import series_of
 
 
@@ -129,3 +131,19 @@ def test_labels_tell_organs_that_look_alike(plant, posed):
         assert farthest(transform, cloud, scan) < 1.0
     anew = [rng.permutation(10)[labels] for _ in clouds]
     assert "nearly as well" in frame_finding(aligned(clouds, "turn", labels=anew)).doubt
+
+
+@pytest.mark.parametrize(("turn", "is_doubted"), [(0, False), (90, True)])
+def test_scans_that_fit_as_well_at_random_yaws_may_not_share_a_frame(week, turn, is_doubted):
+    """The fit of a plant with five leaves at each height, whose best yaw gains too little."""
+    samples = [even_sample(cloud) for cloud in week[:4]]
+    curve = 0.8 + 0.05 * np.cos(np.radians(YAWS)) + 0.05 * np.cos(np.radians(5 * YAWS))
+    fit = YawFit(False, [np.roll(curve, turn // 5 * k) for k in (1, 2, 3)])
+    assert (fit.distinction < 1.0) == is_doubted
+    finding = frames.frame_finding(samples, np.zeros((4, 3)), fit, np.ones(4, bool), "", False)
+    assert ("turned at random" in finding.doubt) == is_doubted
+    assert finding.option == ("--align turn" if is_doubted else "")
+
+
+def test_stems_fit_alike_at_all_yaws():
+    assert YawFit(False, [np.ones(len(YAWS))]).distinction == np.inf
