@@ -10,7 +10,6 @@ import typer
 import gclip
 import player.export
 import player.view
-import player.window
 from gclip.terminal.command import VersionOption, run_app
 from gclip.terminal.progress import StageProgress
 from gclip.text import printable
@@ -22,13 +21,14 @@ from traits.dates import day_of
 
 if TYPE_CHECKING:
     from gclip import Clip
+    from player.export import Film
 
 app = typer.Typer(add_completion=False, rich_markup_mode="rich")
 
 STILL, TURNTABLE = "still", "turntable"
-DEFAULT_SIZE = "1280x720"  # of exports
 # Suffixes of scans, which have to be baked first
 SUFFIXES = {".ply", ".pcd", ".xyz", ".txt", ".csv", ".pts", ".las", ".laz", ".e57", ".npy", ".npz"}
+EPILOG = "Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.\n\n"
 MAX_INFO_LINE = 2000  # characters of a line of --info
 MIN_SIDE, MAX_SIDE = 16, 16384  # pixels; OpenGL 4.1 guarantees textures of this size
 
@@ -48,9 +48,6 @@ def _list_exports(requested: bool) -> None:
             others = ", ".join(known.other_suffixes)
             typer.echo(f"{known.example:18}{known.about}{'; also ' * bool(others)}{others}")
         raise typer.Exit
-
-
-EPILOG = "Exit codes: 0 done, 2 wrong usage or bad input, 1 a fault of our own.\n\n"
 
 
 def _option(metavar: str, help: str, **settings: Any) -> Any:
@@ -115,7 +112,6 @@ def play_command(
         raise PlayerError(f"--camera is {camera}; still, turntable or a camera path is needed.")
     if len(clips) > 2 or (len(clips) == 2 and (export or info)) or (export and info):
         raise PlayerError("--export and --info take one clip each; the window shows one or two.")
-    given = _given(context)
     if every is not None and seconds is not None:
         raise PlayerError("--every and --seconds each say how many frames; give one of them.")
     style = Style(
@@ -128,17 +124,17 @@ def play_command(
         eye_dome=shading,
         show_ground=floor,
     )
-    opened = gclip.open(clips[0])
-    days = tuple(_parse_day(opened, text) for text in day or [])
+    clip, turning, given = gclip.open(clips[0]), camera == TURNTABLE, _given(context)
+    days = tuple(_parse_day(clip, text) for text in day or [])
     if export is not None:
-        known = opened.fields
-        if field and field not in known:
-            raise PlayerError(f"--field is {field}; the clip has {', '.join(known) or 'none'}.")
+        if field and field not in clip.fields:
+            known = ", ".join(clip.fields) or "none"
+            raise PlayerError(f"--field is {field}; the clip has {known}.")
         film = player.export.Film(
-            size=_parse_size(size or DEFAULT_SIZE),
+            size=_parse_size(size) if size else player.export.Film.size,
             fps=fps,
             seconds=seconds,
-            turning=camera == TURNTABLE,
+            turning=turning,
             style=style,
             at=days,
             every=every,
@@ -146,24 +142,38 @@ def play_command(
             annotations=player.view.Annotations(date, scale_bar, legend),
             transparent=transparent,
             name=printable(clips[0].stem),
-            path=None if path is None else player.view.load_path(path, opened),
+            path=None if path is None else player.view.load_path(path, clip),
         )
-        player.export.check_export(film, export, force, given)
-        with StageProgress(quiet) as progress:
-            player.export.export(opened, film, export, partial(progress, "exporting"), force)
-        if not quiet:
-            typer.echo(f"wrote {export}", err=True)
+        _export(clip, film, export, force, given, quiet)
     elif info:
-        for line in info_lines(opened, clips[0]):
+        for line in info_lines(clip, clips[0]):
             typer.echo(printable(line, MAX_INFO_LINE))
     else:
-        for name in PANELS["Export"].split():
-            if name in given and name != "day":
-                raise PlayerError(f"--{name.replace('_', '-')} is for exports; add --export PATH.")
-        if len(days) > 1:
-            raise PlayerError("the window opens on one --day; for several add --export PATH.")
-        window_size, turning = _parse_size(size) if size else None, camera == TURNTABLE
-        player.window.start(clips, style, window_size, ground, turning, path, profile, *days)
+        _check_window(given, days)
+        pixels = _parse_size(size) if size else None
+        from player.window.launch import start
+
+        start(clips, style, pixels, ground, turning, path, profile, *days)
+
+
+def _export(
+    clip: "Clip", film: "Film", output: Path, force: bool, given: list[str], quiet: bool
+) -> None:
+    """Export, and report progress; options without effect on the output are refused."""
+    player.export.check_export(film, output, force, given)
+    with StageProgress(quiet) as progress:
+        player.export.export(clip, film, output, partial(progress, "exporting"), force)
+    if not quiet:
+        typer.echo(f"wrote {output}", err=True)
+
+
+def _check_window(given: list[str], days: tuple[float, ...]) -> None:
+    """Raise PlayerError for options that have no effect in the window."""
+    for name in PANELS["Export"].split():
+        if name in given and name != "day":
+            raise PlayerError(f"--{name.replace('_', '-')} is for exports; add --export PATH.")
+    if len(days) > 1:
+        raise PlayerError("the window opens on one --day; for several add --export PATH.")
 
 
 def _given(context: typer.Context) -> list[str]:

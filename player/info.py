@@ -1,7 +1,5 @@
 """Summary of a clip as text, for `play CLIP --info`."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -13,7 +11,7 @@ if TYPE_CHECKING:
 UNLISTED_KEYS = {"transforms", "origins"}  # of the provenance: matrices
 
 
-def info_lines(clip: Clip, path: Path) -> Iterator[str]:
+def info_lines(clip: "Clip", path: Path) -> Iterator[str]:
     """Yield lines on a clip's scans, intervals, tracks and provenance.
 
     The lines contain names from the file, and must be made safe for terminals by
@@ -66,7 +64,7 @@ def info_lines(clip: Clip, path: Path) -> Iterator[str]:
             yield f"{key}: {_format_value(value)}"
 
 
-def _format_date(clip: Clip, time: float) -> str:
+def _format_date(clip: "Clip", time: float) -> str:
     """The date of the scan at a time, or else the time as a number."""
     return next((scan.date for scan in clip.scans if scan.time == time), "") or f"{time:g}"
 

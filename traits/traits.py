@@ -16,7 +16,8 @@ from traits.smooth import fit_patches, noise_of, smoothed
 from traits.surface import Surface, surface_of
 
 if TYPE_CHECKING:
-    from gclip import Clip
+    from traits.upright import upright_axes
+from gclip import Clip
 
 HULL_SUBSAMPLES = 4  # number of random halves of an organ's points by which its hull is corrected
 HULL_EXTRAPOLATION = 1.5  # deficit of the hull : that of half of the points, if it is count^-0.7
@@ -105,7 +106,7 @@ def _measure_sample(
     floor: float,
 ) -> list[Measurement]:
     """Measure the plant and its organs, or `only` some organs, on one sample of their points."""
-    up, tracks = up_vector(clip.up), clip.track_table
+    up, tracks = upright_axes(clip.up)[2], clip.track_table
     wanted = range(len(tracks)) if only is None else only
     needed = {*wanted, *(tracks[track].parent for track in wanted)}
     organs = {
@@ -212,19 +213,12 @@ def _weighted_mean(measured: list[list[Measurement]], weights: list[float]) -> l
 def _floor(clip: Clip) -> float:
     """Height of the plant base in the first scan, from which all heights are measured."""
     first = clip.at(clip.times[0])
-    height = first.local.astype(np.float64) @ up_vector(clip.up)
+    height = first.local.astype(np.float64) @ upright_axes(clip.up)[2]
     root = next((track.id for track in clip.track_table if track.parent is None), 0)
     root_heights = height[first.tracks == root]
     # Extrapolated from two quantiles, since a few outliers may be below the plant.
     low, higher = np.quantile(root_heights if len(root_heights) else height, [0.01, 0.02])
     return float(2.0 * low - higher)
-
-
-def up_vector(up: str) -> NDArray[np.float64]:
-    """(3,) unit vector of a direction such as "-z"."""
-    direction = np.zeros(3)
-    direction["xyz".index(up[-1])] = -1.0 if up.startswith("-") else 1.0
-    return direction
 
 
 class _Hull(NamedTuple):

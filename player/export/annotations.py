@@ -1,7 +1,5 @@
 """Annotations of exported pictures, drawn by Pillow."""
 
-from __future__ import annotations
-
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip
-from player.view.annotations import BOLD, LARGE_FONT, REGULAR, RGB, draw_annotations, font_path
+from player.view.annotations import BOLD, LARGE_FONT, REGULAR, RGB, Pen, draw_annotations, font_path
 from player.view.camera import Camera
 from player.view.colors import ValueRange
 from player.view.style import GROUNDS
@@ -26,7 +24,7 @@ def annotated(
     picture: NDArray[np.uint8],
     day: float,
     camera: Camera,
-    film: Film,
+    film: "Film",
     clip: Clip,
     values: ValueRange | None,
 ) -> NDArray[np.uint8]:
@@ -46,22 +44,23 @@ def annotated(
     return np.asarray(Image.alpha_composite(Image.fromarray(picture), overlay))
 
 
-class PillowPen:
-    """Implements `player.view.annotations.Pen`; MIN_UNIT keeps text legible in small pictures."""
+class PillowPen(Pen):
+    """Draws on a picture by Pillow; MIN_UNIT keeps text legible in small pictures."""
 
-    def __init__(self, draw: Any, film: Film) -> None:
+    def __init__(self, draw: Any, film: "Film") -> None:
         ground = GROUNDS[film.style.ground]
         self._draw = draw
         self._unit = max(min(film.size) / 720, MIN_UNIT)
         self._text, self._muted = ground.text, ground.muted
         self._halo = (255, 255, 255, 120) if film.style.ground == "light" else (0, 0, 0, 110)
         self.size = (film.size[0] / self._unit, film.size[1] / self._unit)
+        self.insets = (MARGIN, MARGIN, MARGIN, MARGIN)
 
     def text(
         self, x: float, y: float, text: str, size: float, bold: bool = False, muted: bool = False
     ) -> None:
         self._draw.text(
-            self._corner(x, y),
+            self._unit * np.array(self.corner(x, y, 0.0, 0.0)),
             "".join(c if c.isprintable() else " " for c in text),
             fill=self._muted if muted else self._text,
             font=_font(BOLD if bold else REGULAR, size * self._unit),
@@ -71,18 +70,12 @@ class PillowPen:
         )
 
     def box(self, x: float, y: float, width: float, height: float, color: RGB | None) -> None:
-        corner, sides = np.array(self._corner(x, y)), self._unit * np.array([width, height])
+        corner = self._unit * np.array(self.corner(x, y, 0.0, 0.0))
+        sides = self._unit * np.array([width, height])
         opposite = corner + np.where([x < 0, y < 0], -sides, sides)
         first, end = np.round(np.sort([corner, opposite], axis=0)).astype(int)
         box = (*first.tolist(), *np.maximum(end - 1, first).tolist())
         self._draw.rectangle(box, fill=color or self._text)
-
-    def _corner(self, x: float, y: float) -> tuple[float, float]:
-        width, height = self.size
-        return (
-            self._unit * (width - MARGIN + x + 1 if x < 0 else MARGIN + x),
-            self._unit * (height - MARGIN + y + 1 if y < 0 else MARGIN + y),
-        )
 
 
 @cache

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from gclip import Clip, Motion
 from gclip.evaluate import Layer, bernstein, evaluate_layer, srgb_to_linear
 from player.export.film import Film, Progress
-from player.view.camera import axes
 from traits.dates import date_at
+from traits.upright import upright_axes
 
 CURVED_KEYS = 17  # animation keys of an interval whose weights are not linear in time
 FADE_PARTS = 8  # in which a fading organ disappears, because glTF cannot animate opacity
@@ -168,7 +168,7 @@ class _Document:
 
 def _root_matrix(clip: Clip) -> NDArray[np.float64]:
     """(4, 4) matrix from local coordinates to glTF's: y up, in metres if the unit is known."""
-    first, second, up = axes(clip.up)
+    first, second, up = upright_axes(clip.up)
     matrix = np.eye(4)
     matrix[:3, :3] = METERS.get(clip.unit, 1.0) * np.array([first, up, -second])
     return matrix

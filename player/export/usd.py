@@ -18,7 +18,7 @@ from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.export.gltf import METERS
 from player.output_names import write_error
-from player.view.camera import axes
+from traits.upright import upright_axes
 
 ZIP_EPOCH = datetime(1980, 1, 1)  # modification time in packages, for reproducible files
 CURVED_SAMPLES = 17  # time samples of an interval if movers follow curves or fall
@@ -118,6 +118,6 @@ def _root_matrix(clip: Clip) -> NDArray[np.float64]:
     """(4, 4) matrix from local coordinates to the stage's, whose up axis is y or z."""
     matrix = np.eye(4)
     if clip.up != "y":
-        matrix[:3, :3] = axes(clip.up)
+        matrix[:3, :3] = upright_axes(clip.up)
     matrix[:3, 3] = matrix[:3, :3] @ np.asarray(clip.origin)
     return matrix

@@ -5,7 +5,7 @@ from typing import Any, cast
 
 import moderngl
 
-from player.gl.gl_errors import allocating
+from player.gl.gl_errors import OutOfGpuMemory
 from player.gl.shader import Passes, Rectangle, Tiles
 
 TILE = 16  # side of a tile in samples; passes over the picture skip tiles without points
@@ -130,16 +130,18 @@ def framebuffer(
     textures:   colour attachments by the names of their uniforms in shaders: an existing texture,
                 or number and type of the channels of a new one (see `texture`).
     """
-    with allocating(size):
-        attachments = {
-            name: kind
-            if isinstance(kind, moderngl.Texture)
-            else texture(context, size, *kind, linear)
-            for name, kind in textures.items()
-        }
+    try:
+        for name, kind in textures.items():
+            if not isinstance(kind, moderngl.Texture):
+                textures[name] = texture(context, size, *kind, linear)
         depth = context.depth_renderbuffer(size) if with_depth else depth
-        created = context.framebuffer(list(attachments.values()), depth)
-    created.extra = attachments
+        created = context.framebuffer(list(textures.values()), depth)
+    except moderngl.Error:
+        raise OutOfGpuMemory(
+            f"this graphics driver has no room for a picture of {size[0]}x{size[1]}; "
+            "ask for a smaller --size."
+        ) from None
+    created.extra = textures
     return created
 
 

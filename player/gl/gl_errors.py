@@ -4,13 +4,11 @@ OpenGL continues after an error without drawing, so errors have to be queried.
 """
 
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 import moderngl
 
 from player.errors import PlayerError
-from player.gl.gpu_memory import total_gpu_memory
+from player.gl.context import total_gpu_memory
 
 BYTES_PER_SAMPLE = 78  # GPU memory that one sample of a picture takes in all framebuffers
 
@@ -38,18 +36,6 @@ def check_context(context: moderngl.Context) -> None:
     if error == "GL_CONTEXT_LOST":
         raise ContextLost("the graphics driver was reset and lost the picture; try again.")
     raise RuntimeError(f"OpenGL reports {error}")
-
-
-@contextmanager
-def allocating(size: tuple[int, int]) -> Iterator[None]:
-    """Raise OutOfGpuMemory if the driver refuses textures or framebuffers of a size."""
-    try:
-        yield
-    except moderngl.Error:
-        raise OutOfGpuMemory(
-            f"this graphics driver has no room for a picture of {size[0]}x{size[1]}; "
-            "ask for a smaller --size."
-        ) from None
 
 
 def max_supersample(context: moderngl.Context, size: tuple[int, int], requested: int) -> int:

@@ -1,6 +1,6 @@
 """GPU time of render passes, measured by OpenGL's timer queries."""
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -8,26 +8,22 @@ import moderngl
 
 
 class PassTimers:
-    """Measures the passes of one renderer, frame by frame.
+    """Measures the passes of a context's renderers, frame by frame, which takes time itself.
 
-    enabled: whether to measure, which takes time itself.
-    frames:  number of measured frames.
-    totals:  seconds of each pass by its name, summed over the frames.
+    frames: number of measured frames.
+    totals: seconds of each pass by its name, summed over the frames.
     """
 
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
         self._idle = list[moderngl.Query]()
         self._running, self._before = (list[tuple[str, moderngl.Query]]() for _ in range(2))
-        self.enabled, self.frames = True, 0
+        self.frames = 0
         self.totals: defaultdict[str, float] = defaultdict(float)
 
     @contextmanager
     def timed(self, name: str) -> Iterator[None]:
         """Measure one pass; OpenGL does not allow nested timer queries."""
-        if not self.enabled:
-            yield
-            return
         query = self._idle.pop() if self._idle else self._context.query(time=True)
         with query:
             yield
@@ -49,12 +45,10 @@ class PassTimers:
         return seconds
 
 
-def profile_table(timers: list[PassTimers]) -> str:
-    """Format the mean milliseconds of each pass per frame as a table, summed over renderers."""
-    frames, totals = sum(timer.frames for timer in timers), Counter[str]()
-    for timer in timers:
-        totals.update(timer.totals)
-    rows = [(name, 1e3 * seconds / max(frames, 1)) for name, seconds in totals.items()]
+def profile_table(timers: PassTimers) -> str:
+    """Format the mean milliseconds of each pass per frame as a table."""
+    frames = timers.frames
+    rows = [(name, 1e3 * seconds / max(frames, 1)) for name, seconds in timers.totals.items()]
     rows.append((f"all of a frame ({frames} timed)", sum(milliseconds for _, milliseconds in rows)))
     width = max(len(name) for name, _ in rows)
     return "\n".join(f"{name:{width}}{milliseconds:9.3f} ms" for name, milliseconds in rows)

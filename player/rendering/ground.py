@@ -14,8 +14,9 @@ from player.gl.shader import Passes
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.rendering.splats import SplatParams
-from player.view.camera import axes, sampled_positions
+from player.view.camera import sampled_positions
 from player.view.style import GROUNDS, Style
+from traits.upright import upright_axes
 
 SHADOW_SIZE = 96  # texels along each side of the shadow texture
 CONTACT_HEIGHT = 0.12  # over which contact shadows fade by 1/e, as a share of half the floor's side
@@ -84,7 +85,7 @@ def floor_square(clip: Clip) -> tuple[NDArray[np.float64], float]:
     radius = float(np.hypot(*(points[:, :2] - center[:2]).T).max())
     half_side = 1.7 * max(radius, 0.5 * float(high[2] - low[2]), 1e-9)
     matrix = np.eye(4)
-    matrix[:3, :3] = axes(clip.up)
+    matrix[:3, :3] = upright_axes(clip.up)
     matrix[:3, 3] = -center[0], -center[1], -clip.floor
     matrix[:2] /= half_side
     return matrix, half_side

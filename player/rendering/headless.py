@@ -69,7 +69,6 @@ class Offscreen(AbstractContextManager["Offscreen"]):
         supersample = max_supersample(self.context, self.size, supersample)
         self._framebuffer = framebuffer(self.context, self.size, picture=(4, "f1"))
         self._renderer = Renderer(self.context, self.clip, supersample)
-        self._renderer.timers.enabled = False  # nobody reads them
 
     def picture(
         self,

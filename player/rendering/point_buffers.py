@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from gclip import Clip, Interval
 from gclip.evaluate import Layer, layers_at
+from player.gl.context import total_gpu_memory
 from player.gl.gl_errors import OutOfGpuMemory, check_context
-from player.gl.gpu_memory import total_gpu_memory
 
 # Range of the bytes of a chunk's positions (16 to 89 million points), and their share of memory:
 # large chunks need few commands, but OpenGL guarantees only 65,535 workgroups for each.

@@ -1,6 +1,7 @@
 """Draw calls over the points of a clip: programs, uniforms and colours."""
 
 from collections.abc import Iterator
+from contextlib import nullcontext
 from typing import Any
 
 import moderngl
@@ -26,13 +27,20 @@ class PointCloud:
     """Draws points of a clip with programs compiled for each shader and kind of interval.
 
     memory:           bytes of GPU memory for points, by default a share of the GPU's memory.
+    timers:           measures the passes, optional.
     color_from_track: whether the track in a point's code gives its colour (nearest_point.glsl).
     """
 
-    def __init__(self, context: moderngl.Context, clip: Clip, memory: int | None = None) -> None:
+    def __init__(
+        self,
+        context: moderngl.Context,
+        clip: Clip,
+        memory: int | None = None,
+        timers: PassTimers | None = None,
+    ) -> None:
         self.context = context
         self.clip = clip
-        self.timers = PassTimers(context)
+        self._timers = timers
         self.buffers = PointBuffers(context, clip, memory)
         rows = -(-len(clip.track_table) // PALETTE_WIDTH)
         self.palette = texture(context, (PALETTE_WIDTH, rows), 4, "f4")
@@ -55,7 +63,8 @@ class PointCloud:
         self.palette.write(texels)
         if self._color_state is None or self._color_state[1] != style:
             self._ramp.write(self._colors.ramp(style))
-        self._definitions = {"SCALAR_FIELD": field, "HAS_FLAGS": int(style.has_organ_flags)}
+        has_flags = style.hidden or style.picked is not None or style.isolated is not None
+        self._definitions = {"SCALAR_FIELD": field, "HAS_FLAGS": int(bool(has_flags))}
         self._color_uniforms = {"palette": self.palette, "ramp": self._ramp, "by_track": by_track}
         if field:
             self._color_uniforms |= self._colors.uniforms(style)
@@ -88,7 +97,7 @@ class PointCloud:
         for drawn in ranges:
             program = self._program(name, drawn, **definitions)
             set_uniforms(program, **uniforms, **self._color_uniforms, **self._uniforms(drawn))
-            with self.timers.timed(name):
+            with nullcontext() if self._timers is None else self._timers.timed(name):
                 for chunk, count in self.buffers.chunks(drawn):
                     set_uniforms(program, first_point=chunk.first, count=count)
                     yield program, drawn.stride, self.buffers.fetch(chunk, count), count

@@ -16,6 +16,7 @@ from gclip.evaluate import layers_at
 from gclip.schema import BLOCK
 from player.gl.framebuffer import TILE, GBuffer, draw_into, framebuffer, textures_of
 from player.gl.shader import Passes
+from player.gl.timers import PassTimers
 from player.rendering.ground import Ground
 from player.rendering.point_buffers import DrawRange, full_ranges
 from player.rendering.point_cloud import PointCloud
@@ -41,7 +42,7 @@ class Renderer:
     supersample: samples along each side of a pixel where splats have no soft outlines of their own.
     compute:     whether compute shaders draw small splats, if the context supports them.
     memory:      bytes of GPU memory for points; by default a share of what the driver reports.
-    gpu_seconds: GPU time of the last picture but two, for which nothing has to wait.
+    timers:      measures the passes, optional.
     """
 
     def __init__(
@@ -52,14 +53,13 @@ class Renderer:
         *,
         compute: bool = True,
         memory: int | None = None,
+        timers: PassTimers | None = None,
     ) -> None:
         self.context = context
         self.clip = clip
         self.supersample = supersample
-        self.gpu_seconds = 0.0
-        self._points = PointCloud(context, clip, memory)
-        self.timers = self._points.timers
-        self._passes = Passes(context, self.timers, TILE=TILE)
+        self._points = PointCloud(context, clip, memory, timers)
+        self._passes = Passes(context, timers, TILE=TILE)
         self._raster = PointRaster(self._points, compute)
         self._ground = Ground(self._points, self._passes)
         self._closing = ClosingDistances(clip)
@@ -91,7 +91,6 @@ class Renderer:
         Returns whether all points were drawn.
         """
         self.context.gc()
-        self.gpu_seconds = self.timers.finish_frame()
         ranges, splats = self._prepare(day, camera, style, size, stride, upload_budget)
         side = self.supersample if splats.radius_px() <= MAX_RADIUS_PX else 1
         diameters = (side * MIN_POINT_PX, self._max_point_px)

@@ -2,8 +2,8 @@
 
 from player.gl.framebuffer import GBuffer, textures_of
 from player.rendering.splats import SplatParams
-from player.view.camera import axes
 from player.view.style import GROUNDS, Style
+from traits.upright import upright_axes
 
 DEPTH_CUE = 0.45  # share of fog in the colour of the farthest parts
 
@@ -29,5 +29,5 @@ def shade(gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
         **vars(GROUNDS[style.ground]),
         eye_dome=style.eye_dome,
         depth_cue=DEPTH_CUE * style.depth_cue,
-        up_dir=tuple(splats.uniforms["view"][:3, :3] @ axes(splats.camera.up)[2]),
+        up_dir=tuple(splats.uniforms["view"][:3, :3] @ upright_axes(splats.camera.up)[2]),
     )

@@ -7,21 +7,19 @@ from moderngl import Framebuffer
 
 from gclip import Clip
 from player.ui import actions, annotations, keys
-from player.ui.annotations import plot_height
 from player.ui.gui import Gui, PlantMouse
 from player.ui.help import draw_help
 from player.ui.organ_info import OrganInfo
 from player.ui.panel import draw_panel, panel_width
 from player.ui.theme import DARK, LIGHT, Pen, one_line, to_u32, with_alpha
 from player.ui.timeline import Line, TimelineView
-from player.ui.widgets import FLAGS, bare_window, button, card
+from player.ui.widgets import FLAGS, Point, bare_window, button, card
 from player.view.choices import Compare
 from player.view.colors import Colors
 from player.view.playback import AtEnd
 from player.view.split_view import Pane
 from player.view.state import Scene
 
-Size = tuple[float, float]  # width and height in units
 TOP, BOTTOM = 80.0, 124.0  # heights of the strips with title and buttons, and with the timeline
 CAPTION_HEIGHT = 36.0  # of the captions of panes
 CONTROLS_HEIGHT = 84.0  # of the window with the controls in the lower strip
@@ -55,7 +53,7 @@ class Interface:
         self.timeline, self.mouse = TimelineView(clip), PlantMouse()
 
     def draw(
-        self, screen: Framebuffer, scene: Scene, size: Size, scale: float, panes: Sequence[Pane]
+        self, screen: Framebuffer, scene: Scene, size: Point, scale: float, panes: Sequence[Pane]
     ) -> Scene:
         """Draw the interface over the plant, and return the scene as the mouse changed it.
 
@@ -65,7 +63,7 @@ class Interface:
         shown, self.organs.measuring = scene, False
         self._gui.begin(size, scale, LIGHT if scene.style.ground == "light" else DARK)
         area = (size[0] - panel_width(scene), size[1])
-        bottom, picked = BOTTOM + plot_height(scene), scene.style.picked
+        bottom, picked = BOTTOM + annotations.plot_height(scene), scene.style.picked
         below = bottom + (CAPTION_HEIGHT if len(panes) > 1 else 0.0)
         pen = Pen(self._gui.theme, self._gui.bold, area, (MARGIN, TOP - 8.0, MARGIN, below))
         scene = self.mouse.move(scene, area)
@@ -140,7 +138,7 @@ def _draw_wipe(pen: Pen, scene: Scene) -> Scene:
         return actions.wipe_to(scene, imgui.get_mouse_pos().x / width) if dragged else scene
 
 
-def _draw_notice(notice: str, area: Size) -> None:
+def _draw_notice(notice: str, area: Point) -> None:
     """Draw a notice above everything else, including the help."""
     with card("notice", (area[0] / 2, TOP - 12.0), (0.5, 0.0), area[0], FLAGS.tooltip):
         imgui.push_text_wrap_pos(area[0] - 60.0)

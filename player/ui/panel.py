@@ -105,9 +105,8 @@ def _draw_corrections(scene: Scene) -> Scene:
     """List the picked organs and the corrections, each with a button that removes it."""
     edits = scene.edits
     with imgui_ctx.push_font(None, NOTE_SIZE):
-        for line in [f"{place.organ} in {place.scan}" for place in scene.clicked_places] or [
-            PICKING_HINT
-        ]:
+        places = [f"{place.organ} in {place.scan}" for place in scene.clicked_places]
+        for line in places or [PICKING_HINT]:
             imgui.text_wrapped(line)
         for row, correction in enumerate(edits.current if edits else ()):
             with imgui_ctx.push_id(str(row)):
@@ -137,13 +136,11 @@ def _draw_organs(scene: Scene) -> Scene:
 
 
 def _draw_name_field(scene: Scene, track: int) -> Scene:
-    current, flags = scene.clip.track_table[track].name, imgui.InputTextFlags_
+    current, hint = scene.clip.track_table[track].name, "name of the organ"
+    flags = imgui.InputTextFlags_.enter_returns_true | imgui.InputTextFlags_.auto_select_all
     imgui.set_next_item_width(-1.0)
     with imgui_ctx.push_id(str(track)):
-        options = flags.enter_returns_true | flags.auto_select_all
-        entered, name = imgui.input_text_with_hint(
-            "##called", "name of the organ", current, options
-        )
+        entered, name = imgui.input_text_with_hint("##called", hint, current, flags)
     is_new = entered and name.strip() not in ("", current)
     return actions.correct(scene, "name", name.strip()) if is_new else scene
 

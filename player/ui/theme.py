@@ -5,11 +5,12 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui, imgui_ctx
 
-from player.view.annotations import RGB
+from player.view import annotations
 from player.view.style import GROUNDS
 
 Color = imgui.ImVec4  # sRGB and alpha from 0 to 1
 
+to_u32 = imgui.get_color_u32  # packs a colour into 32 bits for ImGui's draw lists
 CLEAR = Color(0.0, 0.0, 0.0, 0.0)
 PADDING = 16.0  # units at the left and right of the panel
 MAX_LINE_LENGTH = 200  # characters
@@ -24,11 +25,6 @@ def rgb(channels: Iterable[int], alpha: float = 1.0) -> Color:
 def with_alpha(color: Color, alpha: float) -> Color:
     """The same colour with another opacity."""
     return Color(color.x, color.y, color.z, alpha)
-
-
-def to_u32(color: Color) -> int:
-    """Pack a colour into 32 bits for ImGui's draw lists."""
-    return int(imgui.get_color_u32(color))
 
 
 @dataclass(frozen=True)
@@ -85,8 +81,8 @@ def apply_theme(style: imgui.Style, theme: Theme) -> None:
             style.set_color_(getattr(imgui.Col_, part), color)
 
 
-class Pen:
-    """Implements `player.view.annotations.Pen` on ImGui's draw list behind all windows (`sheet`).
+class Pen(annotations.Pen):
+    """Draws on ImGui's draw list behind all windows (`sheet`).
 
     size:   (width, height) of the area for annotations, in units.
     insets: (left, top, right, bottom) margins between annotations and the area's edges.
@@ -104,18 +100,18 @@ class Pen:
         self, x: float, y: float, text: str, size: float, bold: bool = False, muted: bool = False
     ) -> None:
         """Draw text with a halo; see `player.view.annotations.Pen`."""
-        left, top = self._corner(x, y, self.width(one_line(text), size, bold), size)
-        halo, color = (
-            with_alpha(self.theme.veil, 0.3),
-            self.theme.muted if muted else self.theme.text,
-        )
+        left, top = self.corner(x, y, self.width(one_line(text), size, bold), size)
+        halo = with_alpha(self.theme.veil, 0.3)
+        color = self.theme.muted if muted else self.theme.text
         for right, down in ((-1, 0), (1, 0), (0, -1), (0, 1)):
             self.write(left + right, top + down + size / 2, text, size, halo, bold)
         self.write(left, top + size / 2, text, size, color, bold)
 
-    def box(self, x: float, y: float, width: float, height: float, color: RGB | None) -> None:
+    def box(
+        self, x: float, y: float, width: float, height: float, color: annotations.RGB | None
+    ) -> None:
         """Draw a box; see `player.view.annotations.Pen`."""
-        x, y = self._corner(x, y, width, height)
+        x, y = self.corner(x, y, width, height)
         fill = self.theme.text if color is None else rgb(color)
         self.sheet.add_rect_filled((x, y), (x + width, y + height), to_u32(fill))
 
@@ -132,14 +128,6 @@ class Pen:
         """Width of a line of text in units."""
         with imgui_ctx.push_font(self.bold if bold else self._regular, size):
             return float(imgui.calc_text_size(text).x)
-
-    def _corner(self, x: float, y: float, width: float, height: float) -> tuple[float, float]:
-        """Upper left corner of a box that is positioned like the boxes of `Pen.box`."""
-        left, top, right, bottom = self.insets
-        return (
-            self.size[0] - right + x + 1 - width if x < 0 else left + x,
-            self.size[1] - bottom + y + 1 - height if y < 0 else top + y,
-        )
 
 
 def one_line(text: str, longest: int = MAX_LINE_LENGTH) -> str:

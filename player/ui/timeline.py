@@ -89,9 +89,8 @@ class TimelineView:
         _draw_line(pen, line, day, hovered or self.dragging)
         self._draw_marks(pen, line)
         for key, _ in scene.path.keys:
-            pen.sheet.add_ngon_filled(
-                (line.x_of(key), y + EVENT_DISTANCE), 4.5, to_u32(pen.theme.text), 4
-            )
+            below = line.x_of(key), y + EVENT_DISTANCE
+            pen.sheet.add_ngon_filled(below, 4.5, to_u32(pen.theme.text), 4)
         edges = EDGE, pen.size[0] - EDGE
         for scan, x in fitting_labels(line, self._dates, edges, lambda t: pen.width(t, LABEL_SIZE)):
             color = pen.theme.text if line.times[scan] == day else pen.theme.muted
@@ -100,12 +99,8 @@ class TimelineView:
         if hovered and not self.dragging and abs(mouse_x - line.x_of(day)) > HANDLE_RADIUS:
             day = line.day_at(mouse_x)  # what a click would go to
             details = self._description_of(day)
-            _draw_discs(
-                pen,
-                line.x_of(day),
-                y,
-                (DOT_RADIUS + SNAP_DISTANCE, with_alpha(pen.theme.accent, 0.35)),
-            )
+            disc = DOT_RADIUS + SNAP_DISTANCE, with_alpha(pen.theme.accent, 0.35)
+            _draw_discs(pen, line.x_of(day), y, disc)
         _draw_bubble(pen, line, day, date_at(self._clip.scans, day), details)
         return scene
 
@@ -133,12 +128,8 @@ class TimelineView:
             corners = (x, y + DOUBT_DISTANCE), (max(end, x + 2.0), y + DOUBT_DISTANCE + 3.0)
             pen.sheet.add_rect_filled(*corners, to_u32(theme.loss), 1.5)
         for x in map(line.x_of, line.held_out):
-            pen.sheet.add_line(
-                (x, y - HELD_OUT_HALF_LENGTH),
-                (x, y + HELD_OUT_HALF_LENGTH),
-                to_u32(theme.muted),
-                2.0,
-            )
+            ends = (x, y - HELD_OUT_HALF_LENGTH), (x, y + HELD_OUT_HALF_LENGTH)
+            pen.sheet.add_line(*ends, to_u32(theme.muted), 2.0)
         for day in line.times:
             if self._born[day]:
                 above = y - EVENT_DISTANCE

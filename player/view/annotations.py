@@ -48,6 +48,7 @@ class Pen(Protocol):
     """
 
     size: tuple[float, float]  #: width and height of the picture, in units
+    insets: tuple[float, float, float, float]  #: left, top, right and bottom margin, in units
 
     def text(
         self, x: float, y: float, text: str, size: float, bold: bool = False, muted: bool = False
@@ -56,6 +57,14 @@ class Pen(Protocol):
 
     def box(self, x: float, y: float, width: float, height: float, color: RGB | None) -> None:
         """Draw a filled box, positioned like text; None selects the text's colour."""
+
+    def corner(self, x: float, y: float, width: float, height: float) -> tuple[float, float]:
+        """Upper left corner of a box at (x, y), right and down from that of the picture."""
+        left, top, right, bottom = self.insets
+        return (
+            self.size[0] - right + x + 1 - width if x < 0 else left + x,
+            self.size[1] - bottom + y + 1 - height if y < 0 else top + y,
+        )
 
 
 def draw_annotations(

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from gclip import Clip
 from gclip.evaluate import positions_on_curve
+from traits.upright import upright_axes
 
 Vector = NDArray[np.float64]
 
@@ -21,13 +22,6 @@ TURNTABLE_YAWS = 32  # directions from which a plant must fit for a full turn
 DEPTH_RADII = 4.0  # near and far plane lie so many scene radii before and behind the target
 ORTHOGRAPHIC_FIELD = math.radians(1.0)  # field of view that stands for a parallel projection
 HOME_YAW, HOME_PITCH = math.radians(-60.0), math.radians(14.0)
-
-
-def axes(up: str) -> Vector:
-    """(3, 3) right-handed axes in rows: two horizontal unit vectors, and `up` ("x" to "-z")."""
-    index, sign = "xyz".index(up[-1]), -1.0 if up.startswith("-") else 1.0
-    unit = np.eye(3)
-    return np.array([unit[(index + 1) % 3], sign * unit[(index + 2) % 3], sign * unit[index]])
 
 
 @dataclass(frozen=True)
@@ -53,7 +47,7 @@ class Camera:
         aspect:  width of the picture divided by its height.
         turning: whether the camera will turn about the stem, so that every yaw must be fitted.
         """
-        basis, points = axes(clip.up), sampled_positions(clip)
+        basis, points = upright_axes(clip.up), sampled_positions(clip)
         center = (points.min(axis=0) + points.max(axis=0)) / 2
         if turning:
             center[:2] = stem_position(clip)
@@ -189,7 +183,7 @@ class Camera:
     @cached_property
     def _eye_axes(self) -> Vector:
         """(3, 3) unit vectors in rows: right, above, and from the target to the eye."""
-        first, second, upward = axes(self.up)
+        first, second, upward = upright_axes(self.up)
         outward = math.cos(self.yaw) * first + math.sin(self.yaw) * second
         right = math.cos(self.yaw) * second - math.sin(self.yaw) * first
         cos, sin = math.cos(self.pitch), math.sin(self.pitch)
@@ -199,7 +193,7 @@ class Camera:
 def sampled_positions(clip: Clip) -> Vector:
     """(n, 3) positions of some movers at the start, middle and end of every interval.
 
-    Coordinates are along the rows of ``axes(clip.up)``, so the last one is the height.
+    Coordinates are along the rows of ``upright_axes(clip.up)``, so the last one is the height.
     """
     count = min(3000, max(200, MAX_SAMPLED_POSITIONS // (3 * len(clip.intervals))))
     samples = [
@@ -207,16 +201,16 @@ def sampled_positions(clip: Clip) -> Vector:
         for interval in clip.intervals
         for share in (0.0, 0.5, 1.0)
     ]
-    return np.concatenate(samples).astype(float) @ axes(clip.up).T
+    return np.concatenate(samples).astype(float) @ upright_axes(clip.up).T
 
 
 def stem_position(clip: Clip) -> Vector:
-    """(2,) horizontal position of the stem along the first two `axes`: its median at the start."""
+    """(2,) horizontal position of the stem along the `upright_axes`: its median at the start."""
     first, roots = clip.intervals[0], [t.id for t in clip.track_table if t.parent is None]
     some = slice(None, None, max(1, len(first) // MAX_SAMPLED_POSITIONS))
     on_stem = np.isin(first.tracks[some], roots[:1])
     points = positions_on_curve(first, some, 0.0)[on_stem if on_stem.any() else slice(None)]
-    return np.asarray(np.median(points @ axes(clip.up).T, axis=0)[:2])
+    return np.asarray(np.median(points @ upright_axes(clip.up).T, axis=0)[:2])
 
 
 def as_tuple(vector: Vector) -> tuple[float, float, float]:

@@ -110,10 +110,8 @@ def load_path(file: Path, clip: Clip) -> CameraPath:
         raise PlayerError(f"{file}: two keys have the same day.")
     home, keys = Camera.home(clip), []
     for key in sorted(document.keys, key=lambda key: key.day):
-        target, angle = (
-            as_tuple(np.subtract(key.target, clip.origin)),
-            math.radians(key.field_of_view),
-        )
+        target = as_tuple(np.subtract(key.target, clip.origin))
+        angle = math.radians(key.field_of_view)
         camera = replace(home, target=target, distance=key.distance, field_of_view=angle)
         keys.append((key.day, camera.looking_from(math.radians(key.yaw), math.radians(key.pitch))))
     return CameraPath(tuple(keys))

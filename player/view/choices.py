@@ -7,14 +7,7 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 # Sizes of exported pictures in pixels; None stands for the window's own size.
-PICTURE_SIZES: tuple[tuple[int, int] | None, ...] = (
-    None,
-    (1280, 720),
-    (1920, 1080),
-    (3840, 2160),
-    (1080, 1080),
-    (1080, 1920),
-)
+PICTURE_SIZES = (None, (1280, 720), (1920, 1080), (3840, 2160), (1080, 1080), (1080, 1920))
 
 
 class Compare(StrEnum):

@@ -9,6 +9,7 @@ known for each mover at the scans: a copy of the clip stores them as its colours
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property, partial
+from typing import assert_never
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,11 @@ from numpy.typing import NDArray
 from gclip import Clip, Interval
 from gclip.evaluate import locate, palette_at, positions_on_curve, srgb_to_linear
 from player.errors import PlayerError
-from player.view.camera import axes, sampled_positions
+from player.view.camera import sampled_positions
 from player.view.style import ColorMap, ColorMode, Style
 from traits.growth_rate import growth_rates
 from traits.holdout_error import held_out_as_clip, holdout_errors
+from traits.upright import upright_axes
 
 Values = Sequence[NDArray[np.floating]]  # for each interval what `ValueRange.colored` takes
 
@@ -94,8 +96,7 @@ class Colors:
         clip, mode = self._clip, style.color_mode(self._clip)
         if mode.per_mover:
             scale, (_, values) = self._range_of(style), self._values(mode, style.field)
-            pairs = zip(clip.intervals, values, strict=True)
-            return replace(clip, intervals=tuple(scale.colored(*pair) for pair in pairs))
+            return replace(clip, intervals=tuple(map(scale.colored, clip.intervals, values)))
         if without_scans and mode is ColorMode.TRACK:
             bare = [replace(one, start_colors=None, end_colors=None) for one in clip.intervals]
             return replace(clip, intervals=tuple(bare))
@@ -141,7 +142,7 @@ class Colors:
     def uniforms(self, style: Style) -> dict[str, object]:
         """Uniforms by which scalar_field.glsl scales height and speed to values from 0 to 1."""
         high = self._range_of(style).high
-        upward = axes(self._clip.up)[2] / high
+        upward = upright_axes(self._clip.up)[2] / high
         return {"height_axis": (*upward.tolist(), -self._lowest / high), "max_speed": high}
 
     @cached_property
@@ -188,13 +189,17 @@ def range_and_values(clip: Clip, mode: ColorMode, field: str) -> tuple[ValueRang
         case ColorMode.ERROR:
             values, title = holdout_errors(clip), f"{title} against a scan left out"
             high = _high_end(values)
-        case _:  # ColorMode.FIELD
+        case ColorMode.FIELD:
             index = clip.fields.index(field) if field in clip.fields else 0
             values = [interval.fields[index] for interval in clip.intervals]
             title, unit, finite = clip.fields[index], "", _finite(values)
             quantiles = 1.0 - RANGE_QUANTILE, RANGE_QUANTILE
             low, high = np.quantile(finite, quantiles) if len(finite) else (0.0, 1.0)
             low, high = float(low), float(max(high, low + 1e-9))
+        case ColorMode.AUTO | ColorMode.SCAN | ColorMode.TRACK:
+            raise ValueError(f"{mode} has no values")
+        case _:
+            assert_never(mode)
     return ValueRange(title, low, high, unit, mode.colormap), values
 
 

@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gclip import Clip
-from player.view.camera import Camera, as_tuple, axes
+from player.view.camera import Camera, as_tuple
 from player.view.choices import Compare
 from player.view.state import Scene
 from traits.dates import date_at
+from traits.upright import upright_axes
 
 MAX_SIZE_RATIO = 3.0  # of two plants that are shown at the same scale
 SAME_PLANT_DISTANCE = 0.3  # between the targets of two clips of one plant, in scene radii
@@ -56,7 +57,8 @@ def transferred_camera(camera: Camera, source: Camera, target: Camera) -> Camera
     source, target: home cameras, for example of two clips.
     """
     scale = target.distance / source.distance
-    offset = axes(target.up).T @ axes(source.up) @ np.subtract(camera.target, source.target)
+    rotation = upright_axes(target.up).T @ upright_axes(source.up)
+    offset = rotation @ np.subtract(camera.target, source.target)
     return replace(
         camera,
         target=as_tuple(target.target + scale * offset),

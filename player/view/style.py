@@ -1,7 +1,5 @@
 """The look of a picture: colours, size of points, shading and background."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Self
@@ -43,7 +41,7 @@ class ColorMode(StrEnum):
         """Whether a mover's colour changes between scans, which only pictures can show."""
         return bool(self.colormap) and not self.per_mover
 
-    def why_unavailable(self, clip: Clip) -> str:
+    def why_unavailable(self, clip: "Clip") -> str:
         """Why a clip lacks this mode, and how to bake it with the mode; "" if it is available."""
         if self is ColorMode.FIELD and not clip.fields:
             return "the clip carries no field of its scans; bake it with --fields NAMES."
@@ -88,17 +86,12 @@ class Style:
     hidden: frozenset[int] = frozenset()  #: tracks that are not drawn
     isolated: int | None = None  #: the only track that is drawn, if any
 
-    def color_mode(self, clip: Clip) -> ColorMode:
+    def color_mode(self, clip: "Clip") -> ColorMode:
         """The colour mode for a clip: `ColorMode.AUTO` is resolved by whether it has colours."""
         mode = ColorMode(self.color_by)
         if mode in (ColorMode.AUTO, ColorMode.SCAN):
             return ColorMode.SCAN if clip.has_colors else ColorMode.TRACK
         return mode
-
-    @property
-    def has_organ_flags(self) -> bool:
-        """Whether any organ is hidden or dimmed, so that shaders must look it up (HAS_FLAGS)."""
-        return bool(self.hidden) or self.picked is not None or self.isolated is not None
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ import glfw
 from gclip.errors import UserError
 from player.gl.context import from_window
 from player.gl.gl_errors import check_context
+from player.gl.timers import PassTimers
 from player.ui import actions, keys
 from player.ui.annotations import plot_height
 from player.ui.gui import Gui
@@ -51,12 +52,11 @@ class Window:
     def __init__(self, handle: Any, clips: Sequence[OpenClip], changes: Mapping[str, Any]) -> None:
         self._handle, self.watch = handle, lambda scene: None
         self._context = from_window()
+        self.timers = PassTimers(self._context)
         self._gui = Gui()
         self._exports = ExportJob()
         self._size = WindowSize.of_window(handle)
         self._dropped: list[str] = []
-        self._drawn: tuple[Scene, WindowSize] | None
-        self._view: tuple[float, Camera, WindowSize] | None
         self._changed_at, self._notice, self._notice_ends = 0.0, "", 0.0
         self._resources, clip = ExitStack(), clips[0].clip
         camera, timeline = home_camera(clip, (16.0, 9.0)), Timeline.of(clip.times).played()
@@ -97,7 +97,7 @@ class Window:
         """Show other clips (reset), or the same clips after they were baked again."""
         self._resources.close()
         self.clips, opened = tuple(clips), tuple(entry.clip for entry in clips)
-        self.viewports = Viewports(self._context, opened)
+        self.viewports = Viewports(self._context, opened, self.timers)
         self._interface = Interface(self._gui, opened[0], " · ".join(entry.name for entry in clips))
         for resource in (self.viewports, self._interface.organs):
             self._resources.callback(resource.release)
@@ -106,8 +106,10 @@ class Window:
         self._corrections = CorrectionsFile(clips[0])
         self._files = FileWatch(*[entry.file for entry in clips if entry.file is not None])
         self._fitted: tuple[float, float, float] | None = None
-        self._drawn = self._view = None
-        notice = f"Opened {clips[0].name}" if reset else "Baked anew: loaded again"
+        self._drawn: tuple[Scene, WindowSize] | None = None
+        self._view: tuple[float, Camera, WindowSize] | None = None
+        baked = "The clip was baked again and has been reloaded"
+        notice = f"Opened {clips[0].name}" if reset else baked
         self.scene = with_clips(self.scene, opened, reset).with_notice(notice)
 
     @property

@@ -4,6 +4,7 @@ import multiprocessing
 import signal
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,18 +25,15 @@ STOP_SECONDS = 5.0  # for which a stopped export may remove temporary files befo
 def run_export(clip: str, film: Film, output: Path, events: Any) -> None:
     """Export in this process; sending progress fails, and so ends it, once `events` is closed."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # on Ctrl-C the window stops this process
-    name = output.name
+    progress = partial(ExportProgress, output.name)
     try:
-        export(
-            gclip.open(clip), film, output,
-            lambda done, total: events.send(ExportProgress(name, done, total)),
-        )  # fmt: skip
+        export(gclip.open(clip), film, output, lambda *steps: events.send(progress(*steps)))
         ended = saved_notice(output)
     except Exception as error:
-        failure = f"Exporting {name} failed: {error or type(error).__name__}."
+        failure = f"Exporting {output.name} failed: {error or type(error).__name__}."
         ended = str(error) if isinstance(error, UserError) else failure
     with suppress(OSError):
-        events.send(ExportProgress(name, ended=ended))
+        events.send(progress(ended=ended))
 
 
 class ExportJob:
@@ -50,10 +48,8 @@ class ExportJob:
     def begin(self, clip: Path, film: Film, output: Path) -> None:
         """Start an export."""
         spawning = multiprocessing.get_context("spawn")
-        self.state, (self._events, sending) = (
-            ExportProgress(output.name),
-            spawning.Pipe(duplex=False),
-        )
+        self.state = ExportProgress(output.name)
+        self._events, sending = spawning.Pipe(duplex=False)
         arguments = (str(clip), film, output, sending)
         self._process: Any = spawning.Process(target=run_export, args=arguments, daemon=True)
         self._process.start()

@@ -167,9 +167,8 @@ def switch_fullscreen(handle: Any, fullscreen: bool) -> None:
     if fullscreen == bool(glfw.get_window_monitor(handle)):
         return
     if fullscreen:
-        glfw.set_window_user_pointer(
-            handle, (*glfw.get_window_pos(handle), *glfw.get_window_size(handle))
-        )
+        place = *glfw.get_window_pos(handle), *glfw.get_window_size(handle)
+        glfw.set_window_user_pointer(handle, place)
         monitor = _monitor_of(handle)
         mode = glfw.get_video_mode(monitor)
         glfw.set_window_monitor(handle, monitor, 0, 0, *mode.size, mode.refresh_rate)

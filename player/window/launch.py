@@ -105,7 +105,7 @@ def show(
             try:
                 result = window.run()
                 if profile:
-                    print(profile_table(window.viewports.timers), file=sys.stderr)
+                    print(profile_table(window.timers), file=sys.stderr)
                 return result
             except ContextLost:
                 entries, lost_scenes = window.clips, [*lost_scenes, window.scene]

@@ -55,13 +55,16 @@ class Viewports:
     There is one renderer for each clip, one for its copy with the current values as colours, and
     one for the held-out scan that was shown last; each is created on first use.
 
+    timers:      measure the passes of all renderers, optional.
     complete:    whether the last picture contained all movers.
     loading:     whether movers were uploaded for the last picture.
     gpu_seconds: GPU time of the last picture but two.
     """
 
-    def __init__(self, context: moderngl.Context, clips: Sequence[Clip]) -> None:
-        self._context, self._clips = context, clips
+    def __init__(
+        self, context: moderngl.Context, clips: Sequence[Clip], timers: PassTimers | None = None
+    ) -> None:
+        self._context, self._clips, self._timers = context, clips, timers or PassTimers(context)
         self._colors = [Colors(clip) for clip in clips]
         self._renderers: dict[tuple[int, str, int | None], Renderer] = {}
         self._passes = Passes(context)
@@ -82,19 +85,20 @@ class Viewports:
         state = (size, tuple(panes), style, detail)
         if state == self._drawn and self.complete:
             return
-        loaded, self.complete, self.gpu_seconds = self._loaded, True, 0.0
+        self.complete, self.loading = True, False
+        self.gpu_seconds = self._timers.finish_frame()
         for index, pane in enumerate(panes):
             whole, _ = _rectangles(pane, size)
             width, height = (round(side * detail.resolution) or 1 for side in whole[2:])
             target = self._framebuffer(index, (width, height))
             renderer = self._renderer(pane, style)
+            loaded = renderer.loaded
             self.complete &= renderer.draw(
                 *(target, pane.day, pane.camera, style, (width, height)),
                 stride=detail.stride,
                 upload_budget=budget,
             )
-            self.gpu_seconds += renderer.gpu_seconds
-        self.loading = budget is not None and loaded != self._loaded
+            self.loading |= budget is not None and renderer.loaded != loaded
         self._drawn = state
 
     def organ_under(
@@ -121,11 +125,6 @@ class Viewports:
                 return track, organ_place(scene.clip, track, pane.day, click)
         return None
 
-    @property
-    def timers(self) -> list[PassTimers]:
-        """Timers of all renderers."""
-        return [renderer.timers for renderer in self._renderers.values()]
-
     def blit(self, screen: moderngl.Framebuffer) -> None:
         """Copy the last picture to the left part of the screen."""
         assert self._drawn
@@ -140,10 +139,6 @@ class Viewports:
     def release(self) -> None:
         for renderer in self._renderers.values():
             renderer.release()
-
-    @property
-    def _loaded(self) -> int:
-        return sum(renderer.loaded for renderer in self._renderers.values())
 
     def _renderer(self, pane: Pane, style: Style) -> Renderer:
         """The renderer of a pane; values as colours and held-out scans are clips of their own."""
@@ -160,15 +155,14 @@ class Viewports:
             clip = colors.clip_with_colors(style) if has_values else self._clips[pane.clip]
             if pane.held_out_index is not None:
                 clip = colors.held_out_clip(pane.held_out_index, style)
-            self._renderers[key] = Renderer(self._context, clip)
+            self._renderers[key] = Renderer(self._context, clip, timers=self._timers)
         return self._renderers[key]
 
     def _framebuffer(self, index: int, size: Size) -> moderngl.Framebuffer:
         """The framebuffer of a pane; it is replaced if the size has changed."""
         if index not in self._pictures or self._pictures[index].size != size:
             self._pictures.pop(index, None)
-            created = framebuffer(self._context, size, picture=(4, "f1"), linear=True)
-            self._pictures[index] = created
+            self._pictures[index] = framebuffer(self._context, size, picture=(4, "f1"), linear=True)
         return self._pictures[index]
 
 

@@ -13,17 +13,18 @@ from typing import Any
 
 import pytest
 
-SMALL = ["--size", "64x48", "--fps", "10", "-q", "--force"]
+SMALL = ["--size", "64x48", "-q", "--force"]
 LIMITED = """
 import resource, sys
 sys.dont_write_bytecode = True  # what Python keeps of modules would be cut short for good
 from player.cli import main
 import player.export, PIL.Image, imageio_ffmpeg
 resource.setrlimit(resource.RLIMIT_FSIZE, (600, 600))
-clip, *small = sys.argv[1:]
+clip = sys.argv[1]
 for output in sys.stdin.read().split():
-    still = ["--seconds", "1"] if "%" in output or "mp4" in output else []
-    print(main([clip, "--export", output, *small, *still]))
+    size = ["--size", "64x48"] if output.endswith(("png", "mp4", "gif", "webm", "html")) else []
+    film = ["--seconds", "1", "--fps", "10"] if "%" in output or "mp4" in output else []
+    print(main([clip, "--export", output, "-q", "--force", *size, *film]))
 """
 
 STOPPED_WHILE_COMPILING = """
@@ -69,7 +70,7 @@ def test_a_stopped_export_says_so_and_leaves_nothing(
 ) -> None:
     command = [sys.executable, "-m", "player", str(clip), "--export", str(folder / "film.mp4")]
     process = subprocess.Popen(
-        [*command, *SMALL, "--seconds", "600"], stderr=subprocess.PIPE, text=True
+        [*command, *SMALL, "--fps", "10", "--seconds", "600"], stderr=subprocess.PIPE, text=True
     )
     while not any(path.name.startswith(".film") for path in folder.iterdir()):
         assert process.poll() is None
@@ -85,7 +86,16 @@ def test_an_export_stopped_while_shaders_are_compiled_leaves_nothing(
     clip: Path, folder: Path
 ) -> None:
     """OpenGL's native code makes a Python object of each uniform, and crashes if that fails."""
-    export = [str(clip), "--export", str(folder / "frames/%04d.png"), *SMALL, "--seconds", "600"]
+    export = [
+        str(clip),
+        "--export",
+        str(folder / "frames/%04d.png"),
+        *SMALL,
+        "--fps",
+        "10",
+        "--seconds",
+        "600",
+    ]
     command = [sys.executable, "-c", STOPPED_WHILE_COMPILING, *export]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 130, done.stderr
@@ -96,7 +106,7 @@ def test_a_full_disk_is_one_sentence(clip: Path, folder: Path) -> None:
     """The process may write files of 600 bytes only: to it, the disk is full."""
     names = "film.mp4", "page.html", "plant.glb", "plant.usdc", "plant.usdz", "frames/%04d.png"
     outputs = "\n".join(str(folder / name) for name in names)
-    command = [sys.executable, "-c", LIMITED, str(clip), *SMALL]
+    command = [sys.executable, "-c", LIMITED, str(clip)]
     done = subprocess.run(command, input=outputs, capture_output=True, text=True, timeout=120)
     assert done.stdout.split() == ["2"] * len(names), done.stderr
     for sentence, name in zip(done.stderr.splitlines(), names, strict=True):
@@ -110,7 +120,16 @@ def test_a_sequence_spares_what_else_is_in_its_folder(clip: Path, folder: Path) 
     from player.cli import main
 
     (folder / "frames" / "notes.txt").write_text("mine")
-    arguments = [str(clip), "--export", str(folder / "frames/%04d.png"), *SMALL, "--seconds", "0.5"]
+    arguments = [
+        str(clip),
+        "--export",
+        str(folder / "frames/%04d.png"),
+        *SMALL,
+        "--fps",
+        "10",
+        "--seconds",
+        "0.5",
+    ]
     assert main(arguments) == 0
     names = {path.name for path in (folder / "frames").iterdir()}
     assert names == {"notes.txt", *(f"{number:04d}.png" for number in range(len(names) - 1))}
@@ -134,7 +153,16 @@ def test_a_sequence_goes_into_folders_of_every_kind(
     else:
         shutil.move(frames, folder / "elsewhere")
         frames.symlink_to("elsewhere")
-    arguments = [str(clip), "--export", str(frames / "%04d.png"), *SMALL, "--seconds", "0.5"]
+    arguments = [
+        str(clip),
+        "--export",
+        str(frames / "%04d.png"),
+        *SMALL,
+        "--fps",
+        "10",
+        "--seconds",
+        "0.5",
+    ]
     assert main(arguments) == 0
     assert (folder / "frames").is_symlink() == (place == "linked to")
     assert (frames / "0000.png").read_bytes()[:4] == b"\x89PNG"
@@ -163,7 +191,7 @@ def test_exports_write_nothing_elsewhere(clip: Path, tmp_path: Path) -> None:
     }
     for output in ("film.mp4", "page.html"):
         export = ["-m", "player", str(clip), "--export", str(places["made"] / output), *SMALL]
-        export += ["--seconds", "1"] if output == "film.mp4" else []
+        export += ["--seconds", "1", "--fps", "10"] if output == "film.mp4" else []
         subprocess.run(
             [sys.executable, *export], cwd=places["here"], env=environment, check=True, timeout=120
         )

@@ -23,11 +23,12 @@ from player.rendering.points import MAX_RADIUS_PX
 from player.rendering.renderer import MIN_POINT_PX, SPLAT_RADIUS, scene_radius, splat_edge
 from player.rendering.shading import DEPTH_CUE
 from player.rendering.splat_radius import ClosingDistances
-from player.view.camera import FITTED_SHARE, Camera, axes, sampled_positions
+from player.view.camera import FITTED_SHARE, Camera, sampled_positions
 from player.view.colors import Colors, format_number
 from player.view.style import GROUNDS, ColorMode
 from traits.curves import curve_names, curve_svg, trait_curves
 from traits.dates import date_at, elapsed, short_dates
+from traits.upright import upright_axes
 
 SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
@@ -142,7 +143,7 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
         "home": asdict(home) | {"aspect": _narrowest(clip, home)},
         "plotted": curve_names(clip),
         "curves": _curves(clip),
-        "axes": axes(clip.up).tolist(),
+        "axes": upright_axes(clip.up).tolist(),
         "look": {
             "light": film.style.ground == "light",
             "byTrack": film.style.color_by == ColorMode.TRACK,
@@ -155,7 +156,7 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
 
 def _narrowest(clip: Clip, home: Camera) -> float:
     """Width divided by height of the narrowest picture that the home view still fits."""
-    points = sampled_positions(clip) @ axes(clip.up)
+    points = sampled_positions(clip) @ upright_axes(clip.up)
     right, _, _, depth = home.matrix(1.0) @ np.column_stack([points, np.ones(len(points))]).T
     return float(np.abs(right / depth).max()) / FITTED_SHARE
 

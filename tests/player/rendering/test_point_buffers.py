@@ -13,7 +13,7 @@ from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion
 from gclip.evaluate import layers_at
 from gclip.schema import BLOCK
-from player.gl.gpu_memory import total_gpu_memory
+from player.gl.context import total_gpu_memory
 from player.rendering import point_buffers
 from player.rendering.point_buffers import DrawRange, PointBuffers, bytes_per_point, full_ranges
 from player.rendering.renderer import Renderer

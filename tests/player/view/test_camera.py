@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion
 from gclip.evaluate import positions_on_curve
-from player.view.camera import Camera, axes, sampled_positions
+from player.view.camera import Camera, sampled_positions
 from tests.player.drawn import fitted
 from tests.player.shown import small_clip
+from traits.upright import upright_axes
 
 UP_AXES = ("x", "y", "z", "-x", "-y", "-z")
 
@@ -35,7 +36,7 @@ def corners() -> np.ndarray:
 
 @pytest.mark.parametrize("up", UP_AXES)
 def test_axes_are_a_rotation(up: str) -> None:
-    frame = axes(up)
+    frame = upright_axes(up)
     assert np.allclose(frame @ frame.T, np.eye(3))
     assert np.linalg.det(frame) == pytest.approx(1.0)
 
@@ -105,7 +106,7 @@ def test_a_camera_is_found_from_a_sample_of_many_movers(monkeypatch) -> None:
 @pytest.mark.parametrize("up", ["z", "-y"])
 def test_home_shows_the_whole_clip_and_fills_the_picture(make_clip, aspect: float, up: str) -> None:
     clip = make_clip(up=up)
-    points = sampled_positions(clip) @ axes(up)
+    points = sampled_positions(clip) @ upright_axes(up)
     close = np.abs(on_screen(Camera.home(clip, aspect), points, aspect)[:, :2])
     assert 0.8 < close.max() < 1.0
     turning = Camera.home(clip, aspect, turning=True)

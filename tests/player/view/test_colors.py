@@ -9,8 +9,8 @@ import pytest
 from gclip.evaluate import srgb_to_linear
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
-from player.view.colors import Colors, nice_ceil
-from player.view.style import Style
+from player.view.colors import Colors, nice_ceil, range_and_values
+from player.view.style import ColorMode, Style
 from tests.player.conftest import ClipMaker
 
 SIZE = (120, 90)
@@ -149,3 +149,9 @@ def test_a_newborn_organ_s_colour_changes_from_day_to_day(
     assert (again == np.frombuffer(framebuffer.read(components=3), np.uint8)).all()
     for one in (renderer, fresh):
         one.release()
+
+
+@pytest.mark.parametrize("mode", [mode for mode in ColorMode if not mode.colormap])
+def test_modes_without_values_are_refused(make_clip: ClipMaker, mode: ColorMode) -> None:
+    with pytest.raises(ValueError, match="has no values"):
+        range_and_values(make_clip(), mode, "")

@@ -102,7 +102,7 @@ def test_corrections_made_in_the_window_change_the_next_bake(
         shown.key("ctrl+shift+z")
         shown.until(lambda _: read_corrections(file) == (same,))
         assert bake_again(clip.parent) == 0
-        shown.until(lambda state: "loaded again" in state["notice"])
+        shown.until(lambda state: "has been reloaded" in state["notice"])
     finally:
         shown.end()
     assert {leftmost(clip, day) for day in (0.0, 1.0, 2.0)} == {"leaf 1"}

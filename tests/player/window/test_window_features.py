@@ -189,7 +189,7 @@ def test_what_is_baked_anew_is_shown_anew(
         os.replace(again, own)
         shown.until(lambda state: "own.gclip" in state["notice"])
         small_clip(times=LATER).save(own)
-        state = shown.until(lambda state: "loaded again" in state["notice"])
+        state = shown.until(lambda state: "has been reloaded" in state["notice"])
         assert state["times"] == list(LATER)
     finally:
         shown.end()

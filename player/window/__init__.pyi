@@ -1,3 +1,0 @@
-from .launch import start
-
-__all__ = ["start"]
