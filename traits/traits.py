@@ -14,10 +14,10 @@ from traits.neighbors import nearest_neighbors
 from traits.organs import Organ, samples_at
 from traits.smooth import fit_patches, noise_of, smoothed
 from traits.surface import Surface, surface_of
+from traits.upright import upright_axes
 
 if TYPE_CHECKING:
-    from traits.upright import upright_axes
-from gclip import Clip
+    from gclip import Clip
 
 HULL_SUBSAMPLES = 4  # number of random halves of an organ's points by which its hull is corrected
 HULL_EXTRAPOLATION = 1.5  # deficit of the hull : that of half of the points, if it is count^-0.7

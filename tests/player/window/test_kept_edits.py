@@ -61,5 +61,5 @@ def test_a_file_that_is_edited_is_taken_over_or_told(opened: OpenClip) -> None:
     assert [one.name for one in scene.edits.current] == ["x"]
     file.write_text("nonsense")
     scene = kept.synchronized(scene)
-    assert "is not a valid TOML file" in scene.notice
+    assert "is not valid TOML" in scene.notice
     assert file.read_text() == "nonsense"
