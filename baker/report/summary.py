@@ -58,8 +58,8 @@ def verdict_line(clip: Clip, path: Path, doubted: Sequence[str] = ()) -> str:
     """
     line, doubts = clip.provenance["verdict"]["line"], group_by_interval(doubts_of(clip))
     command = f" Look: {command_for(doubts[0][0], path)}" if doubts else ""
-    above = f" But look first at what is said above of: {', '.join(doubted)}." if doubted else ""
-    return f"{line}{command}{above}"
+    above = f" First check what is said above about: {', '.join(doubted)}." if doubted else ""
+    return f"{line}{above}{command}"
 
 
 def error_lines(errors: Sequence[HoldoutError], unit: str) -> list[str]:

@@ -50,7 +50,7 @@ def test_an_inexact_transport_is_put_in_terms_of_the_film(saved, tmp_path):
 def test_the_last_line_is_the_verdict_and_where_to_look(saved, tmp_path):
     assert verdict_line(saved, tmp_path / "x.gclip") == "All 2 intervals look right."
     assert verdict_line(saved, tmp_path / "x.gclip", ["up", "frame"]) == (
-        "All 2 intervals look right. But look first at what is said above of: up, frame."
+        "All 2 intervals look right. First check what is said above about: up, frame."
     )
     doubts = [Doubt(0.0, 2.0, 1, "leaf 1 tears", 2.0)]
     provenance = {**saved.provenance, "verdict": verdict_provenance(saved, doubts)}
