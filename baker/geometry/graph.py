@@ -1,23 +1,21 @@
 """The connected kNN graph of a point cloud, its geodesics and merge trees; chains and paths."""
 
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.neighbors import Neighbors, Points, nearest_neighbors
 
-if TYPE_CHECKING:
-    from scipy.sparse import csr_matrix
-
+Graph = Any  # (N, N) scipy.sparse.csr_matrix
 Gaps = Mapping[tuple[int, int], float]
 """(label, label) of adjacent segments, in either order -> distance in point spacings."""
 
 MIN_LENGTH = float(np.finfo(np.float64).tiny)  # of an edge; sparse sums drop those of weight 0
 
 
-def knn_graph(neighbors: Neighbors) -> "csr_matrix":
+def knn_graph(neighbors: Neighbors) -> Graph:
     """The (N, N) kNN graph: an edge from each point to its neighbours, weighted by length.
 
     It is not symmetric; use it with ``directed=False`` in ``scipy.sparse.csgraph``.
@@ -32,7 +30,7 @@ def knn_graph(neighbors: Neighbors) -> "csr_matrix":
 
 def connected_knn_graph(
     points: Points, k: int, neighbors: Neighbors | None = None, mutual: bool = False
-) -> "csr_matrix":
+) -> Graph:
     """The kNN graph, its components joined by their shortest gaps (Borůvka's algorithm).
 
     Parameters
@@ -73,19 +71,13 @@ def segment_gaps(
     Returns the length of the shortest edge between any two adjacent segments of (N, 3) points, in
     point spacings. All segments are connected, directly or by others.
     """
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import connected_components
-
     neighbors = neighbors or nearest_neighbors(points)
     distinct, segment = np.unique(labels, return_inverse=True)
     row, column = np.nonzero(segment[neighbors.indices] != segment[:, None])
     ends = segment[np.stack([row, neighbors.indices[row, column]])]
     lengths = neighbors.distances[row, column].astype(np.float64)
     count = len(distinct)
-    if (
-        connected_components(csr_matrix((np.ones(len(lengths)), ends), (count, count)), False)[0]
-        > 1
-    ):
+    if edge_components(ends, count).any():
         edges = connected_knn_graph(points, neighbors.indices.shape[1], neighbors).tocoo()
         ends, lengths = segment[np.stack([edges.row, edges.col])], edges.data
     is_between = ends[0] != ends[1]
@@ -98,8 +90,17 @@ def segment_gaps(
     return adjacent | {(b, a): gap for (a, b), gap in adjacent.items()}
 
 
+def edge_components(edges: NDArray[np.integer], count: int) -> NDArray[np.int32]:
+    """(count,) connected component of each node, from 0 on, by (2, E) undirected edges."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_matrix((np.ones(edges.shape[1]), edges), (count, count))
+    return connected_components(graph, directed=False)[1]
+
+
 def geodesic_distances(
-    graph: "csr_matrix", seeds: NDArray[np.integer], offsets: NDArray[np.floating] | None = None
+    graph: Graph, seeds: NDArray[np.integer], offsets: NDArray[np.floating] | None = None
 ) -> NDArray[np.float64]:
     """Geodesic distances from the nearest seed, the shortest paths along an undirected graph.
 
@@ -134,7 +135,7 @@ def chain_ends(following: NDArray[np.intp]) -> NDArray[np.intp]:
 
 def branches(
     height: NDArray[np.floating],
-    graph: "csr_matrix",
+    graph: Graph,
     min_length: float,
     min_share: float = 0.0,
     min_points: int = 1,
@@ -199,9 +200,7 @@ def branches(
     return branch[rank]
 
 
-def _shortest_bridges(
-    points: Points, components: int, component: NDArray[np.integer]
-) -> "csr_matrix":
+def _shortest_bridges(points: Points, components: int, component: NDArray[np.integer]) -> Graph:
     """The shortest edge out of each component.
 
     The numbers of any two components differ in some bit, so the nearest point in another component

@@ -77,9 +77,8 @@ def with_fields(clip: Clip, clouds: Sequence[NDArray[np.float32]], scans: Sequen
             trees[k + u].query(positions_on_curve(interval, slice(None), u))[1] for u in (0, 1)
         )
         newborn = born[np.asarray(interval.tracks)] > interval.start
-        lost = np.zeros(len(interval), bool)
-        for group in interval.groups:
-            lost[group.first : group.stop] = group.motion is not Motion.MOVE
+        counts = [group.count for group in interval.groups]
+        lost = np.repeat([group.motion is not Motion.MOVE for group in interval.groups], counts)
         fields = []
         for name in scalars[0]:
             start, end = scalars[k][name][first], scalars[k + 1][name][last]

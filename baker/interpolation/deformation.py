@@ -5,7 +5,7 @@ closest points with blended affine maps, whose kernel narrows from iteration to 
 attachment points of children in both scans are landmarks.
 """
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,6 @@ from numpy.typing import NDArray
 from baker.geometry.rigid import rotations_between
 from baker.geometry.sampling import farthest_point_sample
 from baker.interpolation.spine import NODE_POSITIONS, Points, Spine, interpolate_nodes, unit
-
-if TYPE_CHECKING:
-    from scipy.spatial import cKDTree
 
 # docs/method.md, "Motion of organs".
 MIN_NODE_DISTANCE = 0.02  # between landmarks along a spine, as a share of its length
@@ -107,11 +104,12 @@ def register_nonrigid(
 
 
 def _closest_pairs(
-    source: Points, target: Points, deformed: Points, tree: "cKDTree"
+    source: Points, target: Points, deformed: Points, tree: Any
 ) -> tuple[NDArray[np.float64], Points]:
     """The (n,) total weight of the pairs of each point, and the (n, 3) sum of their displacements.
 
     Pairs are found from the deformed points, displacements are measured from the source.
+    tree: the KD-tree of the target.
     """
     from scipy.spatial import cKDTree
 

@@ -64,16 +64,9 @@ def interval_jobs(
 ) -> list[IntervalJob]:
     """Make the job of each interval, and compute what depends on several intervals.
 
-    Parameters
-    ----------
-    series : AlignedSeries
-    matches, tasks : sequences of Match and of tuple of Task
-        Of each interval.
-    options : Options
-        Resolved.
-    unlabelled : bool
-        Whether organs were found without labels. Most lost organs are then parts of a leaf that is
-        segmented differently in the next scan, so they fade instead of falling.
+    matches, tasks: of each interval. options: resolved. unlabelled: whether organs were found
+    without labels. Most lost organs are then parts of a leaf that is segmented differently in the
+    next scan, so they fade instead of falling.
     """
     is_curved = options.paths == "curved"
     spacings = [neighbors.spacing for neighbors in series.neighbors]

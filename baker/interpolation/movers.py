@@ -50,13 +50,11 @@ def organ_movers(
     scan: the hierarchy of the second scan. growth: as in `with_even_density`; used if the keyframes
     have point areas.
     """
-    tasks, plans = [organ.task for organ in organs], [organ.plan for organ in organs]
-    both = list(zip(tasks, plans, strict=True))
     # The points of both scans that movers start and end at.
-    a = np.concatenate([task.start[plan.rows] for task, plan in both], dtype=np.int32)
-    b = np.concatenate([task.end[plan.columns] for task, plan in both], dtype=np.int32)
-    counts = [len(plan.rows) for plan in plans]
-    is_born = np.repeat([task.event == "birth" for task in tasks], counts)
+    a = np.concatenate([organ.task.start[organ.plan.rows] for organ in organs], dtype=np.int32)
+    b = np.concatenate([organ.task.end[organ.plan.columns] for organ in organs], dtype=np.int32)
+    counts = [len(organ.plan.rows) for organ in organs]
+    is_born = np.repeat([organ.task.event == "birth" for organ in organs], counts)
     curve = _curve(start.positions.take(a, axis=0), end.positions.take(b, axis=0), organs, scan)
     colors: tuple[NDArray[np.uint8] | None, NDArray[np.uint8] | None] = None, None
     if start.colors is not None and end.colors is not None:
@@ -65,15 +63,13 @@ def organ_movers(
     if start.normals is not None and end.normals is not None:
         normals = np.hstack([start.normals.take(a, axis=0), end.normals.take(b, axis=0)])
         normals[is_born, :2] = normals[is_born, 2:]  # a new organ has no surface at the start
-    tracks = np.repeat(np.array([task.organ for task in tasks], np.int32), counts)
+    tracks = np.repeat(np.array([organ.task.organ for organ in organs], np.int32), counts)
     movers = Movers(Motion.MOVE, curve, tracks, *colors, normals)
     if start.area is None or end.area is None:
         return [movers]
     # Several new organs may start at the same points, but share no area there.
-    begins = np.cumsum([0, *(len(task.start) for task in tasks)])
-    rows = np.concatenate(
-        [plan.rows + begin for plan, begin in zip(plans, begins, strict=False)], dtype=np.int32
-    )
+    begins = np.cumsum([0, *(len(organ.task.start) for organ in organs[:-1])], dtype=np.int32)
+    rows = np.concatenate([organ.plan.rows for organ in organs]) + np.repeat(begins, counts)
     area = mid_area(np.where(is_born, 0.0, start.area[a]), rows, end.area[b], b)
     return with_even_density(movers, area, rows, b, growth)
 

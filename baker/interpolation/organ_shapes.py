@@ -11,7 +11,7 @@ from itertools import chain, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.graph import best_path
+from baker.geometry.graph import best_path, edge_components
 from baker.interpolation.spine import (
     MIN_POINTS_FOR_SPINE,
     Points,
@@ -21,7 +21,7 @@ from baker.interpolation.spine import (
     sample_members,
 )
 from baker.matching.match import Match
-from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
+from baker.segmentation.hierarchy import NO_PARENT, Hierarchy, split_by_label
 
 Cloud = NDArray[np.floating]
 Attachments = dict[int, Cloud]
@@ -59,8 +59,6 @@ def _contacts(
     cloud: Cloud, spacing: float, hierarchy: Hierarchy, organs: set[int]
 ) -> dict[int, list[Cloud]]:
     """The contacts of organs with their parents: connected components of the touching points."""
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
     trees: dict[int, cKDTree] = {}
@@ -78,9 +76,8 @@ def _contacts(
         gap = trees[parent].query(sample)[0]
         touching = sample[gap <= gap.min() + CONTACT_RADIUS * step]
         pairs = cKDTree(touching).query_pairs(MAX_STEP * step, output_type="ndarray")
-        graph = csr_matrix((np.ones(len(pairs)), pairs.T), (len(touching), len(touching)))
-        count, component = connected_components(graph, directed=False)
-        contacts[organ] = [touching[component == k] for k in range(count)]
+        _, parts = split_by_label(edge_components(pairs.T, len(touching)))
+        contacts[organ] = [touching[part] for part in parts]
     return contacts
 
 

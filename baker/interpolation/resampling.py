@@ -47,12 +47,9 @@ def with_even_density(
     groups, width = (start_points, end_points), np.sqrt(area[repeated])
     for part, shift in _displacements(middle, width, groups, repeated, repetition):
         control[part] += 2.0 * shift  # its weight at mid-interval is 1/2
-    attributes = {name: getattr(movers, name) for name in ("tracks", *OPTIONAL)}
-    repeated_attributes: dict[str, Any] = {
-        name: None if values is None else values.take(repeated, axis=0)
-        for name, values in attributes.items()
-    }
-    return [movers, replace(movers, curve=(start, control, end), **repeated_attributes)]
+    values: dict[str, Any] = {name: getattr(movers, name) for name in ("tracks", *OPTIONAL)}
+    values = {name: v if v is None else v.take(repeated, axis=0) for name, v in values.items()}
+    return [movers, replace(movers, curve=(start, control, end), **values)]
 
 
 def position_at(curve: Sequence[Floats], u: float) -> Floats:

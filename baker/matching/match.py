@@ -32,9 +32,8 @@ def match_from_pairs(
 def match_by_label(first: Hierarchy, second: Hierarchy) -> Match:
     """Match segments with the same label (section 3.3 of the paper, cases 1 and 2)."""
     ends = {label: index for index, label in enumerate(second.labels)}
-    return match_from_pairs(
-        first, second, [(a, ends[label]) for a, label in enumerate(first.labels) if label in ends]
-    )
+    pairs = [(a, ends[label]) for a, label in enumerate(first.labels) if label in ends]
+    return match_from_pairs(first, second, pairs)
 
 
 def match_series(

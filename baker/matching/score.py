@@ -1,15 +1,9 @@
 """Score the match of an organ of one scan with an organ of another.
 
-A growing organ covers its former self: each point of the younger organ is near the older one,
-however much longer that is. So the main term is the mean distance from the points of the younger
-organ to the older one. Further terms penalise changes of direction and of the order along the stem,
-and shrinking. The score is relative to a loss and a birth (docs/method.md, "Tracking organs").
-
-Where a plant leans, or a leaf sinks with all its leaflets, neighbouring organs move together. So
-once some pairs are known, every organ is first moved like its neighbours.
-
-The scan with the smaller organs is the younger one, so that a series in reverse order gives the
-same result.
+The main term is the mean distance from the points of the younger organ to the older one, since a
+growing organ covers its former self. The score is relative to a loss and a birth; docs/method.md,
+"Tracking organs", has all its terms. The scan with the smaller organs is the younger one, so that a
+series in reverse order gives the same result.
 """
 
 import numpy as np

@@ -1,10 +1,8 @@
 """Track organs through the whole series, where their labels are not consistent.
 
-Each organ has at most one successor, in the next scan or, if it is hidden there, in one of the two
-following ones, and at most one predecessor. The links of largest total score over the series are a
-minimum weight path cover, which is solved as one sparse assignment. The plant is first rotated as a
-whole where it leans to another side. The tracks then predict where organs move, and which organs
-two scans apart should match, too; with both of these, scores and tracks are computed again.
+Each organ has at most one successor and one predecessor: the links of largest total score are a
+minimum weight path cover, which is solved as one sparse assignment. Scores and tracks are computed
+again with what the tracks predict (docs/method.md, "Tracking organs").
 """
 
 from collections.abc import Mapping, Sequence
@@ -119,7 +117,7 @@ def chain_organs(
 
 def _predecessors(starts: NDArray[np.intp], scores: PairMatrices) -> NDArray[np.intp]:
     """The predecessor of each organ, numbered over all scans; itself if it has none."""
-    from scipy.sparse import coo_array
+    from scipy.sparse import csr_array
     from scipy.sparse.csgraph import min_weight_full_bipartite_matching
 
     total = int(starts[-1])
@@ -133,10 +131,8 @@ def _predecessors(starts: NDArray[np.intp], scores: PairMatrices) -> NDArray[np.
     values = np.concatenate(value)
     # The matching is full: an organ without a successor is matched to a dummy. Costs are positive,
     # since a sparse array does not store zeros.
-    costs = coo_array(
-        (1.0 + values.max() - values, (np.concatenate(rows), np.concatenate(columns))),
-        shape=(total, 2 * total),
-    ).tocsr()
+    pairs = np.concatenate(rows), np.concatenate(columns)
+    costs = csr_array((1.0 + values.max() - values, pairs), (total, 2 * total))
     first, second = min_weight_full_bipartite_matching(costs)
     is_linked = second < total
     predecessors = np.arange(total)

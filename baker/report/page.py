@@ -36,23 +36,9 @@ def write_report(
 
     If the player can't render pictures, the report gives the reason instead.
 
-    Parameters
-    ----------
-    path : path-like
-    clip : Clip
-    survey : Survey
-        The aligned series, and the decisions about it.
-    errors : sequence of HoldoutError
-        As `verify` returns them.
-    title : str
-        Such as the clip's file name.
-    report_progress : callable
-        Called with the name of a stage, the number of steps done and their total.
-
-    Raises
-    ------
-    UserError
-        If the file can't be written.
+    survey: the aligned series, and the decisions about it. errors: as `verify` returns them. title:
+    such as the clip's file name. report_progress: called with the name of a stage, the number of
+    steps done and their total. Raises UserError if the file can't be written.
     """
     title, doubts = printable(title), doubts_of(clip)  # a file name may not be valid UTF-8
     by_interval = group_by_interval(doubts)

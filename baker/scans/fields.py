@@ -12,10 +12,8 @@ from baker.scans.formats import Columns
 from baker.scans.labels import label_rank
 from baker.scans.scan import Scan
 
-COLOR_NAMES = tuple(
-    tuple(names.split())
-    for names in ("red green blue", "diffuse_red diffuse_green diffuse_blue", "r g b", "rf gf bf")
-)
+COLORS = "red green blue", "diffuse_red diffuse_green diffuse_blue", "r g b", "rf gf bf"
+COLOR_NAMES = [names.split() for names in COLORS]
 NO_LABELS = {*"xyz", "nx", "ny", "nz", *chain.from_iterable(COLOR_NAMES)}
 # A field of any other name may be labels if MAX_SAMPLE of its points have at most MAX_VALUES
 # distinct values.

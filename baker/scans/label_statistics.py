@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.graph import edge_components
 from baker.geometry.neighbors import nearest_neighbors
 
 NEIGHBORS = 8  # of a point in the kNN graph
@@ -18,9 +19,6 @@ def label_statistics(points: NDArray[np.floating], labels: NDArray) -> tuple[flo
     little); and, of the nearest neighbours whose labels differ, the share whose labels differ by
     one, 0 if there are few labels.
     """
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components
-
     step = -(-len(points) // MAX_SAMPLE)
     points = points[::step]
     distinct, label = np.unique(labels[::step], return_inverse=True)
@@ -33,8 +31,7 @@ def label_statistics(points: NDArray[np.floating], labels: NDArray) -> tuple[flo
     agreement = (same[:, 0].mean() - by_chance) / (1.0 - by_chance)
 
     source, k = np.nonzero(same)
-    graph = csr_array((np.ones(len(source)), (source, neighbors[source, k])), (len(points),) * 2)
-    _, component = connected_components(graph, directed=False)
+    component = edge_components(np.stack([source, neighbors[source, k]]), len(points))
     _, first, size = np.unique(component, return_index=True, return_counts=True)
     components = counts**2 / np.bincount(label[first], size.astype(float) ** 2)
     is_large = counts >= MIN_POINTS_OF_LABEL  # a few points are separate by chance

@@ -44,13 +44,11 @@ class Hierarchy:
         groups: a partition of the segments.
         """
         merged = {segment: index for index, group in enumerate(groups) for segment in group}
+        members = [np.concatenate([self.segments[segment] for segment in g]) for g in groups]
         heads = [group[0] for group in groups]
         parents = [self.parents[head] for head in heads]
         return Hierarchy(
-            segments=tuple(
-                np.sort(np.concatenate([self.segments[segment] for segment in group]))
-                for group in groups
-            ),
+            segments=tuple(map(np.sort, members)),
             labels=tuple(self.labels[head] for head in heads),
             parents=tuple(p if p == NO_PARENT else merged[p] for p in parents),
             root=merged[self.root],

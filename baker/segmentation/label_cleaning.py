@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.graph import edge_components
 from baker.geometry.neighbors import Neighbors
 from baker.scans.scan import Scan
 
@@ -49,16 +50,12 @@ def _is_speck(
     A speck is a connected component of an organ's points, but not the largest one. It has at most k
     points, most of whose neighbours are of other organs.
     """
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import connected_components
-
     at_border = (neighbor_organ != organ[:, None]).any(axis=1)  # includes all points of specks
     border = np.flatnonzero(at_border)
     is_foreign = neighbor_organ[border] != organ[border, None]
     row, column = np.nonzero(~is_foreign)
-    edges = border[row], neighbors.indices[border[row], column]
-    graph = csr_matrix((np.ones(len(row), bool), edges), (len(organ), len(organ)))
-    component = connected_components(graph, directed=False)[1]
+    edges = np.stack([border[row], neighbors.indices[border[row], column]])
+    component = edge_components(edges, len(organ))
     size = np.bincount(component)
     size[component[~at_border]] = len(organ)  # a component with inner points is not a speck
     largest = np.zeros(organ.max() + 1, np.intp)

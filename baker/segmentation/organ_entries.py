@@ -25,9 +25,7 @@ class OrganEntries:
     points: NDArray[np.float64]  # (m, 3) the sample, whose first point is the plant base
     organ: NDArray[np.intp]  # (m,) index of each point's organ
     entry: NDArray[np.intp]  # (m,) index of the point at which the path last enters that organ
-    source: NDArray[
-        np.intp
-    ]  # (m,) index of the organ from which it does; in the root organ, the root
+    source: NDArray[np.intp]  # (m,) index of the organ from which it does; of the root's, the root
 
     @property
     def root(self) -> int:

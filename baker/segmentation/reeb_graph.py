@@ -9,17 +9,13 @@ scan instead, and is filled.
 """
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.graph import chain_ends, connected_knn_graph
+from baker.geometry.graph import Graph, chain_ends, connected_knn_graph, edge_components
 from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.sampling import voxel_downsample, voxel_size_for
-
-if TYPE_CHECKING:
-    from scipy.sparse import csr_matrix
 
 Floats = NDArray[np.floating]
 
@@ -44,8 +40,8 @@ class PlantSample:
 
     points: NDArray[np.float64]  # (n, 3)
     nearest: NDArray[np.intp]  # (N,) index of the sample's point nearest to each point of the scan
-    graph: "csr_matrix"  # (n, n) the connected mutual kNN graph
-    sparse_graph: "csr_matrix"  # (n, n) the same of fewer neighbours; of paths and level sets
+    graph: Graph  # (n, n) the connected mutual kNN graph
+    sparse_graph: Graph  # (n, n) the same of fewer neighbours; of paths and level sets
     distance: NDArray[np.float64]  # (n,) geodesic distance from the plant base
     predecessor: NDArray[np.intp]  # (n,) previous point on the shortest path; -1 at the base
     spacing: float  # median even spacing of the sample's points
@@ -110,15 +106,10 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
     return _measure_tree(sample, node, parent)
 
 
-def _level_components(graph: "csr_matrix", level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+def _level_components(graph: Graph, level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     """The points of each connected component of all level sets, sorted by level."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
     ends = np.stack(graph.nonzero())
-    inside = ends[:, level[ends[0]] == level[ends[1]]]
-    within_levels = coo_matrix((np.ones(len(inside[0])), inside), graph.shape)
-    _, component = connected_components(within_levels, directed=False)
+    component = edge_components(ends[:, level[ends[0]] == level[ends[1]]], len(level))
     order = np.lexsort((component, level))
     return np.split(order, np.flatnonzero(np.diff(component[order])) + 1)
 
@@ -176,9 +167,7 @@ def _sample_voxels(cloud: NDArray[np.float64], size: float, base: int) -> PlantS
     return PlantSample(points, nearest, graph, sparse, distance, predecessor, spacing, diameter)
 
 
-def _stem_diameter(
-    points: Floats, graph: "csr_matrix", distance: Floats, spacings: Floats
-) -> float:
+def _stem_diameter(points: Floats, graph: Graph, distance: Floats, spacings: Floats) -> float:
     """Median width of the sections up to six diameters above the base, by fixed-point iteration.
 
     It is 0 if there are too few points. spacings: (n,) point spacing around each point.

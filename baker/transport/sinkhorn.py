@@ -109,11 +109,8 @@ def sinkhorn_scaling(
         mass = np.exp(exponent + potential[columns])
         done += 1
         errors.append(float(np.abs(np.bincount(rows, mass, n) - 1.0 / n).sum()))
-        stalled = (
-            not feasible
-            and len(errors) > STALLED_BLOCKS
-            and errors[-1] > (1.0 - MIN_PROGRESS) * errors[-1 - STALLED_BLOCKS]
-        )
+        before = errors[-1 - STALLED_BLOCKS] if len(errors) > STALLED_BLOCKS else np.inf
+        stalled = not feasible and errors[-1] > (1.0 - MIN_PROGRESS) * before
         if errors[-1] < tolerance or done >= iterations or stalled:
             return Scaling(mass, errors[-1], done)
         if errors[-1] > 1.5 * min(errors):  # over-relaxation may diverge far from the solution

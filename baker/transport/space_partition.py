@@ -18,7 +18,7 @@ def bisection_order(
     similar clouds correspond. Part p of a level of 2 ** level parts is bisected along
     ``axes[2 ** level + p]``.
     """
-    from baker.transport.bisection import bisect
+    from baker.transport.partition_kernels import bisect
 
     n, has_axes = len(points), axes is not None
     depth = max(1, (n - 1).bit_length())
@@ -58,7 +58,7 @@ def refine_plan(supply: Masses, demand: Masses, plan: Coupling) -> Coupling:
     supply, demand: (n,) and (m,) masses of the points. The returned pairs are sorted by row, then
     column.
     """
-    from baker.transport.north_west_corner import north_west_corner
+    from baker.transport.partition_kernels import north_west_corner
 
     return north_west_corner(supply, demand, plan.take(np.lexsort(plan[1::-1]), axis=1))
 

@@ -40,23 +40,12 @@ def interval_tasks(
 ) -> tuple[Task, ...]:
     """Make the tasks of an interval: matches, births and losses (section 3.3.1).
 
-    Parameters
-    ----------
-    points : (N, 3) and (M, 3) float ndarray
-        The two aligned scans.
-    match : Match
-    attachment_points : int, optional
-        The paper's l, the number of points from which a new organ unfolds. By default 1 % of the
-        parent's points, from 3 to 100, but at most a tenth of the organ's.
-    paper : bool
-        By default 1 % of the parent's points, from 10 to 100, and always those nearest to the
-        organ, as in the paper.
-
-    Returns
-    -------
-    tuple of Task
-        Each point of the first scan is in the start of one match or loss, each point of the second
-        in the end of one task.
+    points: (N, 3) and (M, 3) points of the two aligned scans. attachment_points: the paper's l, the
+    number of points from which a new organ unfolds; by default 1 % of the parent's points, from 3
+    to 100, but at most a tenth of the organ's. paper: whether it is by default 1 % of the parent's
+    points, from 10 to 100, and always those nearest to the organ, as in the paper. Each point of
+    the first scan is in the start of one match or loss, each point of the second in the end of one
+    task.
     """
     starts, ends, organs = match.first.segments, match.second.segments, match.second.organs
     # A stem that is matched with a virtual, empty root is lost, or born.

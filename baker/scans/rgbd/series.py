@@ -137,6 +137,7 @@ class ImageSeries:
             expected = f"not of the width and height in '{self.camera_file}'"
             raise InputError(f"'{frame.depth}' is {width}x{height} pixels, {expected}.")
         height, width = colors.shape[:2]
+        needed = f"'{frame.color.name}' is {width}x{height}; if it is a part of it, set crop"
         if camera.crop is not None:
             left, top = camera.crop
             depth = depth[top : top + height, left : left + width]
@@ -145,9 +146,6 @@ class ImageSeries:
         for path, image in zip(frame[2:], (depth, labels, masked), strict=True):
             if image is not None and image.shape != (height, width):
                 size = f"{image.shape[1]}x{image.shape[0]} pixels"
-                needed = (
-                    f"'{frame.color.name}' is {width}x{height}; if it is a part of it, set crop"
-                )
                 raise InputError(f"'{path}' is {size}, but {needed}.")
         return colors, depth if masked is None else np.where(masked, 0.0, depth), labels
 

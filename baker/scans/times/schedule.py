@@ -49,11 +49,11 @@ def schedule_scans(
     for level in range(2, max(map(len, parts)) + 1):
         if len(set(names)) < len(names):  # only their folders differ: 2020-03-08/scan.ply
             names = ["/".join(path_parts[-level:]) for path_parts in parts]
+    doubt = ""
     if times is not None:
-        moments, rule, doubt = moments_from_list(times, names), "as given", ""
+        moments, rule = moments_from_list(times, names), "as given"
     elif times_file is not None:
         moments, rule = moments_from_file(times_file, names), f"from '{times_file.name}'"
-        doubt = ""
     elif reading := _times_in_names(paths):
         moments, rule = list(reading.moments), f"from the {reading.convention.kind} in the names"
         doubt = reading.doubt

@@ -76,7 +76,7 @@ def test_outcomes(
         ("numba", "NUMBA_NUM_THREADS", "0", "can't be loaded in this environment: .* must be > 0"),
         ("numba", "NUMBA_NUM_THREADS", "many", "warning: .*'NUMBA_NUM_THREADS'.*'many'.*parsed"),
         (
-            "baker.transport.bisection",
+            "baker.transport.partition_kernels",
             "NUMBA_DISABLE_JIT",
             "1",
             "NUMBA_DISABLE_JIT is set .* unset it",
