@@ -10,15 +10,15 @@ from baker.geometry.up_axis import Vertical
 from baker.scans.scan import Finding
 
 # By how much the cost of each direction must be less than that of z, which is usual; some programs
-# write y. Of 157 real pairs of scans with z up one is taken for another direction, if turned so
-# that y is up 3; of their 20 series none (docs/method.md, "Alignment").
+# write y. Of 157 real pairs of scans with z up none is taken for another direction, if rotated so
+# that y is up 3 are; of their 20 series none (docs/method.md, "Alignment").
 NEEDED_LEADS = {"z": 0.0, "y": 0.2, "x": 0.5, "-z": 0.5, "-y": 0.5, "-x": 0.5}
-CLOSE_COST = 0.3  # difference of costs below which another direction is named as a doubt
+CLOSE_COST = 0.05  # difference of costs below which another direction is named as a doubt
 STEM_SHARE = 0.15  # of the longest geodesic distance from the lowest point: the bare stem
 SAMPLE_SIZE = 800  # points of a scan from which its costs are computed
 END_QUANTILE = 0.01  # of the heights, that of the lower end
 LEAST_MOTION = 0.02  # of the ends of an axis, in sizes of the plant, that tells its direction
-HALF_TRUSTED = 2.0  # number of intervals whose motions count by half
+HALF_TRUSTED = 2.5  # number of intervals whose motions count by half
 MIN_FLATNESS = (
     1.3  # ratio of the extent across an axis to that along it, from which a plant is flat
 )
@@ -38,10 +38,11 @@ def find_up(
         return ground_up, [Finding("up", f"{ground_up}, away from the ground that the scans show")]
     directions, leads = zip(*NEEDED_LEADS.items(), strict=True)
     costs = np.mean([_stem_costs(sample) for sample in samples], axis=0) + _growth_costs(samples)
-    best, second = np.argsort(costs + leads, kind="stable")[:2].tolist()
+    best = int(np.argmin(costs + leads))
+    second = min(set(range(len(costs))) - {best}, key=costs.__getitem__)
     reason = "by the plants' stems and growth" if best else "as scans usually have it"
     doubt = ""
-    if costs[second] + leads[second] - costs[best] - leads[best] < CLOSE_COST:
+    if costs[second] - costs[best] < CLOSE_COST:
         likely = "rather" if costs[second] < costs[best] else "as well"
         who = "they" if best else "by their stems and growth they"
         doubt = f"{who} might {likely} grow along {directions[second]}"
@@ -61,7 +62,7 @@ def _growth_costs(samples: Sequence[EvenSample]) -> NDArray[np.float64]:
     quantiles = [np.quantile(scan, [END_QUANTILE, 1.0 - END_QUANTILE], axis=0) for scan in heights]
     motions = np.abs(np.diff(quantiles, axis=0)).sum(axis=0) / max(len(samples) - 1, 1)
     resting = (motions[1] - motions[0]) / (motions.sum(axis=0) + LEAST_MOTION * extents.max())
-    resting *= (len(samples) - 1) / (len(samples) - 1 + HALF_TRUSTED)
+    resting *= (len(samples) - 1) ** 2 / ((len(samples) - 1) ** 2 + HALF_TRUSTED**2)
     across = np.array([np.delete(extents, axis).min() for axis in range(3)])
     flatness = np.maximum(1.0 - MIN_FLATNESS * extents / np.maximum(across, extents), 0.0)
     return -np.concatenate([resting + flatness, flatness - resting])
