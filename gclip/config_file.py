@@ -47,7 +47,7 @@ def read_config(path: Path, kind: type[T], most: int) -> T:
     text = read_text(path, most)
     content: Any = None
     try:
-        content = (msgspec.json if path.suffix == ".json" else msgspec.toml).decode(text)
+        content = (msgspec.json if path.suffix.lower() == ".json" else msgspec.toml).decode(text)
         return msgspec.convert(content, kind)
     except ValidationError as error:  # "what is wrong - at `$.table[0].field`"
         reason, _, place = str(error).rpartition(" - at `$")

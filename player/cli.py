@@ -63,7 +63,9 @@ def _flag(help: str, *names: str) -> Any:
 @app.command(epilog=EPILOG + help_text())
 def play_command(
     context: typer.Context,
-    clips: Annotated[list[Path], typer.Argument(metavar="CLIP", help="A clip, or two in step.")],
+    clips: Annotated[
+        list[Path], typer.Argument(metavar="CLIP", help="One clip, or two to play in step.")
+    ],
     export: Annotated[Path | None, _option("PATH", "Write film.mp4, ... (--list-exports).")] = None,
     info: Annotated[bool, _flag("Print what the clip holds.")] = False,
     list_exports: Annotated[
@@ -71,7 +73,7 @@ def play_command(
     ] = False,
     size: Annotated[str | None, _option("WxH", "Size in pixels; 1280x720 by default.")] = None,
     fps: Annotated[int, _option("N", "Frames a second.", min=1, max=240)] = 30,
-    seconds: Annotated[float | None, _option("S", "Length of a film.", min=0, max=36000)] = None,
+    seconds: Annotated[float | None, _option("S", "Length of a film.", min=0.01, max=36000)] = None,
     every: Annotated[float | None, _option("T", "A frame every T days.", min=1e-6)] = None,
     day: Annotated[
         list[str] | None, _option("DAY", "Day or date to show; may be repeated.")
@@ -84,9 +86,15 @@ def play_command(
     ] = ColorMode.AUTO,
     colormap: Annotated[ColorMap, _flag("The colours of values, such as heights.")] = ColorMap.AUTO,
     field: Annotated[str, _option("NAME", "The field that --color field shows.")] = "",
-    ground: Annotated[GroundChoice | None, _flag("By default dark, or the window's last.")] = None,
-    point_size: Annotated[float, _option("FACTOR", "Of the points' size.", min=0.05, max=20)] = 1.0,
-    shading: Annotated[float, _option("FACTOR", "Of the shading's strength.", min=0, max=5)] = 1.0,
+    ground: Annotated[
+        GroundChoice | None, _flag("Background; dark, or as last in the window.")
+    ] = None,
+    point_size: Annotated[
+        float, _option("FACTOR", "Multiplies the size of points.", min=0.05, max=20)
+    ] = 1.0,
+    shading: Annotated[
+        float, _option("FACTOR", "Strength of the shading; 0: none.", min=0, max=5)
+    ] = 1.0,
     depth_cue: Annotated[bool, _flag("Let far parts fade.", "--depth-cue/--no-depth-cue")] = True,
     floor: Annotated[bool, _flag("Draw a floor, with a shadow.", "--floor/--no-floor")] = True,
     title: Annotated[str, _option("TEXT", "A title in pictures, on pages and in tables.")] = "",
@@ -94,7 +102,7 @@ def play_command(
     scale_bar: Annotated[bool, _flag("Draw a scale bar into pictures.")] = False,
     legend: Annotated[bool, _flag("Explain the colours in pictures.")] = False,
     transparent: Annotated[bool, _flag("Leave the background out of PNGs.")] = False,
-    profile: Annotated[bool, _flag("Say in the end how long pictures took to draw.")] = False,
+    profile: Annotated[bool, _flag("Print the GPU time of each render pass at the end.")] = False,
     force: Annotated[bool, _flag("Overwrite an output that exists.")] = False,
     quiet: Annotated[bool, _flag("Say nothing but errors.", "--quiet", "-q")] = False,
     version: VersionOption = False,
@@ -108,7 +116,7 @@ def play_command(
             folder = file if file.is_dir() else file.parent
             raise PlayerError(f"{file} is not a growth clip; bake the scans first: bake {folder}")
     path = None if camera in (STILL, TURNTABLE) else Path(camera)
-    if path is not None and path.suffix != ".json":
+    if path is not None and path.suffix.lower() != ".json":
         raise PlayerError(f"--camera is {camera}; still, turntable or a camera path is needed.")
     if len(clips) > 2 or (len(clips) == 2 and (export or info)) or (export and info):
         raise PlayerError("--export and --info take one clip each; the window shows one or two.")

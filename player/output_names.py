@@ -16,7 +16,7 @@ def is_numbered(path: Path) -> bool:
     """Whether a file name has a number field like %04d; raises PlayerError for any other "%"."""
     rest = NUMBER_FIELD.sub("", path.name, count=1)
     if "%" in rest:
-        raise PlayerError(f'{path.name}: one number, like "%04d", is the only "%" that is allowed.')
+        raise PlayerError(f'{path.name}: "%" may stand in one number field only, such as %04d.')
     return rest != path.name
 
 

@@ -164,7 +164,7 @@ TABLE: dict[str, tuple[Action | Choice, ...]] = {
         Choice("field", "shift+f", "colour by another field", "Field", "style.field",
                lambda s: s.clip.fields or [""],
                lambda name: name or "none in this clip"),
-        Choice("colormap", "shift+m", "other colours of values", "Colours", "style.color_map",
+        Choice("colormap", "shift+m", "other colours of values", "Colour map", "style.color_map",
                lambda s: list(ColorMap)),
         *_pair("smaller|larger", "-|+ =", "smaller, larger points",
                lambda s, sign: actions.resize_points(s, SIZE_STEP**sign)),

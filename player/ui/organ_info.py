@@ -5,6 +5,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 import numpy as np
 
 from gclip import Clip
+from player.view.colors import format_number
 from traits.curves import TraitCurve, trait_curves
 from traits.dates import date_at
 
@@ -59,4 +60,4 @@ def _value_at(curve: TraitCurve, day: float) -> str:
         return "not there"
     value = np.interp(day, curve.times, curve.values)
     sure = np.interp(day, curve.times, curve.sure) == 1.0  # at both scans
-    return f"{'' if sure else 'about '}{value:.4g}{curve.unit}"
+    return f"{'' if sure else 'about '}{format_number(float(value), 4)}{curve.unit}"

@@ -226,9 +226,9 @@ def _high_end(values: Values) -> float:
     return nice_ceil(max(quantile, 1e-9))
 
 
-def format_number(value: float) -> str:
-    """Format a number with three significant digits and without an exponent: "2,510"."""
-    return f"{float(f'{value:.3g}'):,.12g}"
+def format_number(value: float, digits: int = 3) -> str:
+    """Format a number with so many significant digits and without an exponent: "2,510"."""
+    return f"{float(f'{value:.{digits}g}'):,.12g}"
 
 
 def nice_ceil(value: float) -> float:

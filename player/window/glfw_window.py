@@ -19,7 +19,7 @@ Callback = Callable[..., None]
 glfw: Any = untyped  # its type stubs lack the parameters of callbacks
 
 MIN_SIZE = (800, 480)  # units of 1/96 inch, in which panel and buttons fit side by side
-EXPORT_INSTEAD = "`play CLIP --export film.mp4` needs none"
+EXPORT_INSTEAD = "`play CLIP --export film.mp4` works without one"
 
 
 @dataclass(frozen=True)
