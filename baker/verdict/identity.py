@@ -14,43 +14,47 @@ from baker.verdict.doubt import MIN_SHARE
 from traits.doubts import Doubt
 
 # Beyond these thresholds an organ's identity is doubtful (docs/method.md, "The verdict").
-MIN_MARGIN = 0.2  # of the total score over that without a pair; a turn by 40 degrees costs it
+# Of the total score over that without a pair; a turn by 40 degrees costs 0.2. With labels, another
+# pairing has to be better: that of no real interval is, of all with two labels exchanged it is.
+MIN_MARGIN, MIN_MARGIN_OF_LABELS = 0.2, -0.5
 MAX_GROWTH, MAX_SHRINKAGE = 6.0, 3.0  # of an organ's size relative to the plant's other organs
 MIN_SIZE = 1e-3  # relative size, so that growth is finite
 
 
 def doubtful_identities(
-    job: IntervalJob, names: Sequence[str], confirmed: Collection[int | None]
+    job: IntervalJob, names: Sequence[str], confirmed: Collection[int | None], by_label: bool
 ) -> Iterator[Doubt]:
     """Yield doubts about the matches and losses of large organs in an interval.
 
     names: of the organs, by track id. confirmed: labels in the first scan of the organs that are
-    not in doubt.
+    not in doubt. by_label: whether labels identify organs; then only exchanged ones are doubted.
     """
     first, second = job.match.first, job.match.second
     organs, share, size = _describe(first, job.start.positions, job.bases[0])
     end_organs, end_share, end_size = _describe(second, job.end.positions, job.bases[1])
+    certain = {first.root, *(a for a, label in enumerate(first.labels) if label in confirmed)}
     judged = [
         (a, b)
         for a, b in job.match.pairs
-        if min(share[a], end_share[b]) > 0.0
-        and max(share[a], end_share[b]) >= MIN_SHARE
-        and a != first.root
-        and first.labels[a] not in confirmed
+        if min(share[a], end_share[b]) > 0.0 and max(share[a], end_share[b]) >= MIN_SHARE
+        if a not in certain
     ]
     tracks = np.array(first.organs)[share > 0.0], np.array(second.organs)[end_share > 0.0]
-    rivals = _rivals(organs, end_organs, *tracks, {first.organs[a] for a, _ in judged})
+    margin = MIN_MARGIN_OF_LABELS if by_label else MIN_MARGIN
+    rivals = _rivals(organs, end_organs, *tracks, [first.organs[a] for a, _ in judged], margin)
     for a, b in judged:
         organ, growth = first.organs[a], float(end_size[b] / size[a])
         if organ in rivals:
             names_of_two = " and ".join(names[track] for track in sorted((organ, rivals[organ])))
             yield Doubt(*job.times, organ, f"{names_of_two} may be mixed up", 1.0, identity=True)
+        if by_label:
+            continue
         what, strength = "may be two organs (suddenly much larger)", growth / MAX_GROWTH
         if growth < 1.0:
             what, strength = "may lack a part (suddenly much smaller)", 1 / (growth * MAX_SHRINKAGE)
         if strength > 1.0:
             yield Doubt(*job.times, organ, f"{names[organ]} {what}", strength, identity=True)
-    for a in job.match.losses:
+    for a in () if by_label else job.match.losses:
         organ, strength = first.organs[a], float(share[a]) / MIN_SHARE
         if strength >= 1.0:
             what = f"{names[organ]} is large but vanishes"
@@ -62,12 +66,13 @@ def _rivals(
     second: OrganDescriptors,
     tracks: NDArray[np.integer],
     end_tracks: NDArray[np.integer],
-    judged: Collection[int],
+    judged: Sequence[int],
+    margin: float,
 ) -> dict[int, int]:
     """The organ with which each organ may be mixed up, if there is one, by track id.
 
-    Two organs may be mixed up if the interval by itself can be matched otherwise for nearly the
-    same total score, with the plant rotated as a whole or not.
+    Two organs may be mixed up if the interval by itself can be matched otherwise for a total score
+    that is lower by less than the margin, with the plant rotated as a whole or not.
 
     tracks, end_tracks: (n,) and (m,) track ids of the organs. judged: those that are compared.
     """
@@ -77,11 +82,9 @@ def _rivals(
     first, second, pairs = first.about_stem(), second.about_stem(), np.column_stack(matched[1:])
     scores = [match_scores(first.transformed(motion), second, pairs) for motion in motions]
     gains = np.maximum(scores, 0.0)
-    least = (gains[:, *matched[1:]].sum(axis=1) - penalties).max() - MIN_MARGIN
+    least = (gains[:, *matched[1:]].sum(axis=1) - penalties).max() - margin
     rivals = dict[int, int]()
-    for track, row, column in zip(*matched, strict=True):
-        if track not in judged:
-            continue
+    for track, row, column in np.column_stack(matched)[np.isin(matched[0], judged)].tolist():
         gains_without = gains.copy()
         gains_without[:, row, column] = 0.0
         for gain, penalty in zip(gains_without, penalties, strict=True):

@@ -23,18 +23,16 @@ def judge_clip(
 ) -> Clip:
     """Add the verdict to the provenance of a clip, judged without knowing the true growth.
 
-    jobs: of each interval. labels: where they identify organs, their identity is not doubted.
+    jobs: of each interval. labels: whether they identify organs.
     confirmed: (index of the interval, label) of the organs that corrections confirm to be the same.
     map: maps over the intervals.
     """
     names = ["the stem" if organ.kind == "stem" else organ.name for organ in clip.track_table]
 
     def doubts_in(index: int, job: IntervalJob) -> list[Doubt]:
-        doubts = [*doubtful_motions(clip.intervals[index], job.attachments, names)]
-        if not labels.are_names:
-            confirmed_labels = {label for interval, label in confirmed if interval == index}
-            doubts += doubtful_identities(job, names, confirmed_labels)
-        return doubts
+        motions = doubtful_motions(clip.intervals[index], job.attachments, names)
+        confirmed_labels = {label for interval, label in confirmed if interval == index}
+        return [*motions, *doubtful_identities(job, names, confirmed_labels, labels.are_names)]
 
     doubts = [*chain.from_iterable(map(doubts_in, range(len(jobs)), jobs))]
     return replace(

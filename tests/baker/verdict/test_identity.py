@@ -26,12 +26,14 @@ def leaf(azimuth: float, length: float, height: float, label: int, scan: int = 0
 def series(tmp_path):
     """Write a stem with leaves, one scan a day; return what the bake doubts."""
 
-    def doubts(*scans: list[np.ndarray]) -> list[tuple[float, str, bool]]:
+    def doubts(
+        *scans: list[np.ndarray], labels: str = "independent"
+    ) -> list[tuple[float, str, bool]]:
         stem = np.random.default_rng(0).random((300, 1)) * [0, 0, 20]
         for day, leaves in enumerate(scans):
             rows = [np.column_stack([stem, np.zeros(300)]), *leaves]
             np.savetxt(tmp_path / f"day{day}.txt", np.concatenate(rows), fmt="%.4f")
-        options = Options(align="none", up="z", labels="independent", workers=1)
+        options = Options(align="none", up="z", labels=labels, workers=1)
         clip, _ = bake_with_survey([tmp_path], options)
         return [(doubt.start, doubt.what, doubt.identity) for doubt in doubts_of(clip)]
 
@@ -62,6 +64,23 @@ def test_leaves_that_might_as_well_be_each_other_are_doubtful(series):
     quarters = enumerate((0, 0, np.pi / 2))
     found = series(*[[leaf(a + n * np.pi, 8, 12, n, scan) for n in (1, 2)] for scan, a in quarters])
     assert {day for day, _, identity in found if identity} == {1.0}
+    assert {what for _, what, identity in found if identity} == {
+        "leaf 1 and leaf 2 may be mixed up"
+    }
+
+
+@pytest.mark.parametrize("exchanged", [None, 1, 2])
+def test_labels_that_are_exchanged_in_one_scan_are_doubtful(series, exchanged):
+    scans = []
+    for day in range(4):
+        labels = (2, 1, 3) if day == exchanged else (1, 2, 3)
+        places = zip(labels, (0.0, 2.0, 4.0), (8, 12, 16), strict=True)
+        scans.append([leaf(a, 5 + day, height, label, day) for label, a, height in places])
+    found = series(*scans, labels="consistent")
+    if exchanged is None:
+        assert found == []
+        return
+    assert {day for day, _, identity in found if identity} == {exchanged - 1.0, float(exchanged)}
     assert {what for _, what, identity in found if identity} == {
         "leaf 1 and leaf 2 may be mixed up"
     }
