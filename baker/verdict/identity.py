@@ -17,6 +17,7 @@ from traits.doubts import Doubt
 # Of the total score over that without a pair; a turn by 40 degrees costs 0.2. With labels, another
 # pairing has to be better: that of no real interval is, of all with two labels exchanged it is.
 MIN_MARGIN, MIN_MARGIN_OF_LABELS = 0.2, -0.5
+MIN_SHARE_WITH_LABELS = 0.01  # of a scan's points: smaller organs with labels are not compared
 MAX_GROWTH, MAX_SHRINKAGE = 6.0, 3.0  # of an organ's size relative to the plant's other organs
 MIN_SIZE = 1e-3  # relative size, so that growth is finite
 
@@ -30,16 +31,17 @@ def doubtful_identities(
     not in doubt. by_label: whether labels identify organs; then only exchanged ones are doubted.
     """
     first, second = job.match.first, job.match.second
-    organs, share, size = _describe(first, job.start.positions, job.bases[0])
-    end_organs, end_share, end_size = _describe(second, job.end.positions, job.bases[1])
+    least = MIN_SHARE_WITH_LABELS if by_label else 0.0
+    organs, share, size = _describe(first, job.start.positions, job.bases[0], least)
+    end_organs, end_share, end_size = _describe(second, job.end.positions, job.bases[1], least)
     certain = {first.root, *(a for a, label in enumerate(first.labels) if label in confirmed)}
     judged = [
         (a, b)
         for a, b in job.match.pairs
-        if min(share[a], end_share[b]) > 0.0 and max(share[a], end_share[b]) >= MIN_SHARE
+        if min(size[a], end_size[b]) > 0.0 and max(share[a], end_share[b]) >= MIN_SHARE
         if a not in certain
     ]
-    tracks = np.array(first.organs)[share > 0.0], np.array(second.organs)[end_share > 0.0]
+    tracks = np.array(first.organs)[size > 0.0], np.array(second.organs)[end_size > 0.0]
     margin = MIN_MARGIN_OF_LABELS if by_label else MIN_MARGIN
     rivals = _rivals(organs, end_organs, *tracks, [first.organs[a] for a, _ in judged], margin)
     for a, b in judged:
@@ -97,16 +99,19 @@ def _rivals(
 
 
 def _describe(
-    hierarchy: Hierarchy, cloud: NDArray[np.floating], base: NDArray[np.floating]
+    hierarchy: Hierarchy, cloud: NDArray[np.floating], base: NDArray[np.floating], least: float
 ) -> tuple[OrganDescriptors, NDArray[np.float64], NDArray[np.float64]]:
-    """Describe the organs of a scan, the segments that have points.
+    """Describe the organs of a scan, the segments with more than the least share of its points.
 
-    Also return each segment's share of the scan's points, and its size relative to the root mean
-    square of all sizes; both are 0 for segments without points.
+    Also return the share of each segment, and its size relative to the organs' root mean square, 0
+    if it is not described.
     """
-    root_point = int(((cloud - base) ** 2).sum(axis=1).argmin())
-    organs = describe_organs(cloud, hierarchy.numbers(), root_point)
     share = np.array(list(map(len, hierarchy.segments))) / len(cloud)
+    is_organ = share > min(least, share.max() / 2)
+    numbers = hierarchy.numbers()
+    kept = is_organ[numbers]
+    root_point = int(((cloud[kept] - base) ** 2).sum(axis=1).argmin())
+    organs = describe_organs(cloud[kept], numbers[kept], root_point)
     size, mean = np.zeros(len(share)), float(np.sqrt((organs.sizes**2).mean()))
-    size[share > 0] = np.maximum(organs.sizes / (mean or 1.0), MIN_SIZE)
+    size[is_organ] = np.maximum(organs.sizes / (mean or 1.0), MIN_SIZE)
     return organs, share, size
