@@ -89,6 +89,24 @@ def test_a_plant_without_ground_loses_nothing():
     assert all(after is before for after, before in zip(left, clouds, strict=True))
 
 
+@pytest.mark.parametrize("leaves", [7, 9, 10])
+def test_a_rosette_below_a_stalk_is_no_ground(leaves):
+    """Its leaves are level, cover most of a disc, and have gaps between them."""
+    rng, parts = np.random.default_rng(0), []
+    for leaf in range(leaves):
+        along, across = rng.random(450), rng.uniform(-1, 1, 450)
+        width = 0.24 * np.sqrt(np.maximum(1 - (2 * along - 1.15) ** 2 / 0.75, 0))
+        out = np.array([np.cos(2.4 * leaf), np.sin(2.4 * leaf)])
+        flat = along[:, None] * out + (across * width)[:, None] * [-out[1], out[0]]
+        parts.append(50 * np.column_stack([flat, 0.02 * leaf + 0.05 * along]))
+    stalk = rng.random((600, 3)) * [1.5, 1.5, 60]
+    rosette = np.concatenate([*parts, stalk])
+    rosette += rng.normal(0, 0.2, rosette.shape)
+    assert find_ground(rosette, "z") is None
+    with_soil = np.append(rosette, soil(rng, 70, 4000, 0.5) - [0, 0, 2], axis=0)
+    assert find_ground(with_soil, "z") is not None
+
+
 def test_one_scan_with_ground_among_many_is_named():
     rng = np.random.default_rng(3)
     clouds = [Scan(plant(rng), name=name) for name in NAMES]
