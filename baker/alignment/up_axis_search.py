@@ -19,9 +19,7 @@ SAMPLE_SIZE = 800  # points of a scan from which its costs are computed
 END_QUANTILE = 0.01  # of the heights, that of the lower end
 LEAST_MOTION = 0.02  # of the ends of an axis, in sizes of the plant, that tells its direction
 HALF_TRUSTED = 2.5  # number of intervals whose motions count by half
-MIN_FLATNESS = (
-    1.3  # ratio of the extent across an axis to that along it, from which a plant is flat
-)
+MIN_FLATNESS = 1.3  # of flat plants: ratio of the extent across the up axis to that along it
 
 
 def find_up(

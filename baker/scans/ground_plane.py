@@ -142,7 +142,8 @@ def _gap_share(ground: Ground, sample: Points, margin: float) -> float:
     edges = ground.outline
     places = places[(places @ edges[:, :2].T + edges[:, 2] <= -margin).all(axis=1)]
     spacing = np.sqrt(np.prod(high - low) * len(places) / PLACES / count)
-    return float((cKDTree(flat).query(places)[0] > GAP_RADIUS * spacing).mean())
+    is_gap = cKDTree(flat).query(places)[0] > GAP_RADIUS * spacing
+    return float(is_gap.mean()) if len(places) else 1.0
 
 
 def _lowest_points(points: Points, share: float) -> tuple[Points, float]:
