@@ -10,8 +10,7 @@ from gclip import Clip
 from traits.doubts import Doubt
 
 MIN_SHARE = 0.03  # of a scan's points: smaller organs aren't judged (docs/method.md, "The verdict")
-MAX_INTERVALS_NAMED = 3  # number of the most doubtful intervals that the sentence names
-MAX_DOUBTS_NAMED = 2  # number of doubts of each of these intervals
+MAX_INTERVALS_NAMED, MAX_DOUBTS_NAMED = 3, 2  # in the sentence; doubts of each interval
 
 
 def verdict_provenance(clip: Clip, doubts: Sequence[Doubt]) -> dict[str, Any]:

@@ -41,8 +41,12 @@ def doubtful_identities(
         if a not in certain
     ]
     tracks = np.array(first.organs)[size > 0.0], np.array(second.organs)[end_size > 0.0]
-    margin = MIN_MARGIN_OF_LABELS if by_label else MIN_MARGIN
-    rivals = _rivals(organs, end_organs, *tracks, [first.organs[a] for a, _ in judged], margin)
+    compared = organs, end_organs, *tracks, [first.organs[a] for a, _ in judged]
+    # Labels are rarely wrong: rotations are only searched for if some match badly without one.
+    rivals = _rivals(*compared, MIN_MARGIN_OF_LABELS, np.eye(4)[None]) if by_label else {}
+    if rivals or not by_label:
+        motions, _ = candidate_motions(organs.largest(), end_organs.largest())
+        rivals = _rivals(*compared, MIN_MARGIN_OF_LABELS if by_label else MIN_MARGIN, motions)
     for a, b in judged:
         organ, growth = first.organs[a], float(end_size[b] / size[a])
         if organ in rivals:
@@ -69,16 +73,17 @@ def _rivals(
     end_tracks: NDArray[np.integer],
     judged: Sequence[int],
     margin: float,
+    motions: NDArray[np.float64],
 ) -> dict[int, int]:
     """The organ with which each organ may be mixed up, if there is one, by track id.
 
     Two organs may be mixed up if the interval by itself can be matched otherwise for a total score
-    that is lower by less than the margin, with the plant rotated as a whole or not.
+    that is lower by less than the margin, with the plant moved as a whole.
 
     tracks, end_tracks: (n,) and (m,) track ids of the organs. judged: those that are compared.
+    motions: (k, 4, 4) possible motions of the plant.
     """
     matched = np.intersect1d(tracks, end_tracks, return_indices=True)
-    motions, _ = candidate_motions(first.largest(), second.largest())
     penalties = min(len(first), len(second)) * ANGLE_PENALTY * rotation_angles(motions)
     first, second, pairs = first.about_stem(), second.about_stem(), np.column_stack(matched[1:])
     scores = [match_scores(first.transformed(motion), second, pairs) for motion in motions]
@@ -102,8 +107,7 @@ def _describe(
 ) -> tuple[OrganDescriptors, NDArray[np.float64], NDArray[np.float64]]:
     """Describe the organs of a scan, the segments that have points in a sample of the scan.
 
-    Also return the share of each segment, and its size relative to the organs' root mean square, 0
-    if it is not described.
+    Also return each segment's share, and its size relative to their root mean square, or 0.
     """
     share = np.array(list(map(len, hierarchy.segments))) / len(cloud)
     step = -(-len(cloud) // MAX_SAMPLE)
