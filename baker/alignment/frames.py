@@ -20,7 +20,7 @@ from baker.scans.scan import Finding
 # do, of triples 4 in 7.
 MIN_GAIN = 0.4
 CLOSE_GAIN = 0.2  # gain in fit of a single scan above which it is reported as a doubt
-# Scans in one frame have 0.7 or more (63 series), 13 of 15 rotated ones that stay at most 0.5.
+# Series in one frame have 0.7 or more (three scans 0.2), 13 of 15 rotated ones that stay 0.54.
 MIN_DISTINCTION = 0.6
 LARGE_MOVE = 0.2  # share of the plant's size; a scan that is moved farther is reported as a doubt
 MAX_LISTED_DOUBTS = 3  # of the finding

@@ -17,8 +17,8 @@ CLOSE_COST = 0.05  # difference of costs below which another direction is named 
 STEM_SHARE = 0.15  # of the longest geodesic distance from the lowest point: the bare stem
 SAMPLE_SIZE = 800  # points of a scan from which its costs are computed
 END_QUANTILE = 0.01  # of the heights, that of the lower end
-LEAST_MOTION = 0.02  # of the ends of an axis, in sizes of the plant, that tells its direction
-HALF_TRUSTED = 2.5  # number of intervals whose motions count by half
+LEAST_MOTION = 0.02  # of both ends of an axis, in sizes of the plant; less tells little
+HALF_WEIGHT = 2.5  # number of intervals at which motions have half of their weight
 MIN_FLATNESS = 1.3  # of flat plants: ratio of the extent across the up axis to that along it
 
 
@@ -49,10 +49,10 @@ def find_up(
 
 
 def _growth_costs(samples: Sequence[EvenSample]) -> NDArray[np.float64]:
-    """(6,) cost of each direction: less where the lower end rests, and if the plant is flat.
+    """(6,) cost of each direction: less if the lower end stays at rest, or if the plant is flat.
 
-    The lower end of a plant rests while the upper one grows away from it; along other axes both
-    ends move alike. A plant that is much shorter along an axis than across it, such as a rosette,
+    The lower end of a plant stays at rest while the upper one grows away from it; along other axes
+    both ends move alike. A plant that is much shorter along an axis than across it, such as a rosette,
     has no stem to be seen, and grows along that axis.
     """
     heights = [(sample.points + sample.offset)[:, [2, 1, 0]] for sample in samples]  # z, y, x
@@ -60,7 +60,7 @@ def _growth_costs(samples: Sequence[EvenSample]) -> NDArray[np.float64]:
     quantiles = [np.quantile(scan, [END_QUANTILE, 1.0 - END_QUANTILE], axis=0) for scan in heights]
     motions = np.abs(np.diff(quantiles, axis=0)).sum(axis=0) / max(len(samples) - 1, 1)
     resting = (motions[1] - motions[0]) / (motions.sum(axis=0) + LEAST_MOTION * extents.max())
-    resting *= (len(samples) - 1) ** 2 / ((len(samples) - 1) ** 2 + HALF_TRUSTED**2)
+    resting *= (len(samples) - 1) ** 2 / ((len(samples) - 1) ** 2 + HALF_WEIGHT**2)
     across = np.array([np.delete(extents, axis).min() for axis in range(3)])
     flatness = np.maximum(1.0 - MIN_FLATNESS * extents / np.maximum(across, extents), 0.0)
     return -np.concatenate([resting + flatness, flatness - resting])

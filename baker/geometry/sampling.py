@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-ROUNDING = 1e-14  # ratio of squared distances: between equal points, largest from the mean
+ROUNDING = 1e-14  # squared distance of equal points, relative to the largest from the mean
 SIZE_TOLERANCE = 1.02  # of the voxel size that `voxel_size_for` finds
 
 

@@ -22,7 +22,7 @@ MIN_POINTS = 5  # of an organ that is compared
 # neighbouring scan, times the growth of the other organs.
 MAX_REST_SIZE = 0.95  # of the organ without the part
 SIZE_RANGE = (0.85, 1.5)  # of the organ with the part; also allowed without growth
-MAX_DISTANCE_RATIO = 0.85  # of the whole organ's distance to both parts to that to the rest
+MAX_DISTANCE_RATIO = 0.85  # ratio of the whole's distance to both parts to that to the rest
 MAX_GAP = 0.15  # between the parts
 
 

@@ -38,7 +38,7 @@ def remove_ground(
     remaining, ground_up, findings = list(scans), "", list[Finding]()
     for _ in range(MAX_LAYERS):
         direction, grounds = _find_grounds(remaining, directions, map)
-        showing = [scan.name for scan, ground in zip(scans, grounds, strict=False) if ground]
+        showing = [scan.name for scan, ground in zip(scans, grounds, strict=True) if ground]
         if not showing or (findings and 2 * len(showing) <= len(scans)):
             break
         ground_up, directions = direction, (direction,)
@@ -88,7 +88,7 @@ def _find_grounds(
         certain = [g if g and g.score >= MIN_UNUSUAL_SCORE else None for g in grounds]
         if is_usual and any(certain):
             return up, certain
-    return "", []
+    return "", [None] * len(scans)
 
 
 def _without_ground(scan: Scan, ground: Ground | None) -> Scan:

@@ -1,5 +1,4 @@
-"""Choose the field of a series that labels its organs, and drop the points of labels that
-are not the plant's.
+"""Choose the field that labels the organs of a series, and drop labels that are not the plant's.
 
 The choice is made for all scans together. A field that is constant or holds fractions does not
 label organs; one whose values each have several connected components labels classes (stem, leaf)

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 SMALL = ["--size", "64x48", "-q", "--force"]
+SMALL_FILM = [*SMALL, "--fps", "10", "--seconds"]
 LIMITED = """
 import resource, sys
 sys.dont_write_bytecode = True  # what Python keeps of modules would be cut short for good
@@ -69,9 +70,7 @@ def test_a_stopped_export_says_so_and_leaves_nothing(
     clip: Path, folder: Path, number: signal.Signals
 ) -> None:
     command = [sys.executable, "-m", "player", str(clip), "--export", str(folder / "film.mp4")]
-    process = subprocess.Popen(
-        [*command, *SMALL, "--fps", "10", "--seconds", "600"], stderr=subprocess.PIPE, text=True
-    )
+    process = subprocess.Popen([*command, *SMALL_FILM, "600"], stderr=subprocess.PIPE, text=True)
     while not any(path.name.startswith(".film") for path in folder.iterdir()):
         assert process.poll() is None
         time.sleep(0.01)
@@ -86,16 +85,7 @@ def test_an_export_stopped_while_shaders_are_compiled_leaves_nothing(
     clip: Path, folder: Path
 ) -> None:
     """OpenGL's native code makes a Python object of each uniform, and crashes if that fails."""
-    export = [
-        str(clip),
-        "--export",
-        str(folder / "frames/%04d.png"),
-        *SMALL,
-        "--fps",
-        "10",
-        "--seconds",
-        "600",
-    ]
+    export = [str(clip), "--export", str(folder / "frames/%04d.png"), *SMALL_FILM, "600"]
     command = [sys.executable, "-c", STOPPED_WHILE_COMPILING, *export]
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 130, done.stderr
@@ -120,16 +110,7 @@ def test_a_sequence_spares_what_else_is_in_its_folder(clip: Path, folder: Path) 
     from player.cli import main
 
     (folder / "frames" / "notes.txt").write_text("mine")
-    arguments = [
-        str(clip),
-        "--export",
-        str(folder / "frames/%04d.png"),
-        *SMALL,
-        "--fps",
-        "10",
-        "--seconds",
-        "0.5",
-    ]
+    arguments = [str(clip), "--export", str(folder / "frames/%04d.png"), *SMALL_FILM, "0.5"]
     assert main(arguments) == 0
     names = {path.name for path in (folder / "frames").iterdir()}
     assert names == {"notes.txt", *(f"{number:04d}.png" for number in range(len(names) - 1))}
@@ -153,16 +134,7 @@ def test_a_sequence_goes_into_folders_of_every_kind(
     else:
         shutil.move(frames, folder / "elsewhere")
         frames.symlink_to("elsewhere")
-    arguments = [
-        str(clip),
-        "--export",
-        str(frames / "%04d.png"),
-        *SMALL,
-        "--fps",
-        "10",
-        "--seconds",
-        "0.5",
-    ]
+    arguments = [str(clip), "--export", str(frames / "%04d.png"), *SMALL_FILM, "0.5"]
     assert main(arguments) == 0
     assert (folder / "frames").is_symlink() == (place == "linked to")
     assert (frames / "0000.png").read_bytes()[:4] == b"\x89PNG"
