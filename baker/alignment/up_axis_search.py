@@ -52,8 +52,8 @@ def _growth_costs(samples: Sequence[EvenSample]) -> NDArray[np.float64]:
     """(6,) cost of each direction: less if the lower end stays at rest, or if the plant is flat.
 
     The lower end of a plant stays at rest while the upper one grows away from it; along other axes
-    both ends move alike. A plant that is much shorter along an axis than across it, such as a rosette,
-    has no stem to be seen, and grows along that axis.
+    both ends move alike. A plant that is much shorter along an axis than across it, such as a
+    rosette, has no stem to be seen, and grows along that axis.
     """
     heights = [(sample.points + sample.offset)[:, [2, 1, 0]] for sample in samples]  # z, y, x
     extents = np.mean([np.ptp(scan, axis=0) for scan in heights], axis=0) + np.finfo(float).tiny
