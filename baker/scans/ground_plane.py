@@ -90,8 +90,9 @@ def _fit_ground(sample: Points, frame: Points, share: float) -> Ground | None:
     middle = _median_of_medians(columns[is_near], heights[is_near])
     deviation = 1.4826 * _median_of_medians(columns[is_near], np.abs(heights[is_near] - middle))
     thickness = max(THICKNESS * deviation, MIN_THICKNESS * width)
+    is_flat = thickness <= 2 * width  # leaves that lie on each other fill the whole tolerance
     ground = Ground(frame, ground.height + middle, thickness, outline, score)
-    return ground if _carries_plant(ground, sample, columns, width) else None
+    return ground if is_flat and _carries_plant(ground, sample, columns, width) else None
 
 
 def outline_of(cells: Points, width: float) -> tuple[Points, float]:

@@ -107,6 +107,21 @@ def test_a_rosette_below_a_stalk_is_no_ground(leaves):
     assert find_ground(with_soil, "z") is not None
 
 
+@pytest.mark.parametrize("leaves", [20, 30])
+def test_a_dense_rosette_is_no_ground(leaves):
+    """It has no gaps, but leaves that lie on each other are thick."""
+    rng, parts = np.random.default_rng(0), []
+    for leaf in range(leaves):
+        along, across = rng.random(300), rng.uniform(-1, 1, 300)
+        length, width = 25 + min(leaf, 20), 0.4 * np.sqrt(np.maximum(along - along**4, 0))
+        out = np.array([np.cos(2.4 * leaf), np.sin(2.4 * leaf)])
+        flat = along[:, None] * out + (across * width)[:, None] * [-out[1], out[0]]
+        height = 0.3 * leaf + length * (0.2 * along + 0.05 * np.abs(across))
+        parts.append(np.column_stack([length * flat, height]))
+    rosette = np.concatenate(parts)
+    assert find_ground(rosette, "z") is None
+
+
 def test_one_scan_with_ground_among_many_is_named():
     rng = np.random.default_rng(3)
     clouds = [Scan(plant(rng), name=name) for name in NAMES]
