@@ -37,10 +37,11 @@ def find_up(
     directions, leads = zip(*NEEDED_LEADS.items(), strict=True)
     costs = np.mean([_stem_costs(sample) for sample in samples], axis=0) + _growth_costs(samples)
     best = int(np.argmin(costs + leads))
-    second = min(set(range(len(costs))) - {best}, key=costs.__getitem__)
+    is_rare = leads[best] == max(leads)  # a plant that creeps grows along x or y, too
+    second = 0 if is_rare else min(set(range(len(costs))) - {best}, key=costs.__getitem__)
     reason = "by the plants' stems and growth" if best else "as scans usually have it"
     doubt = ""
-    if costs[second] - costs[best] < CLOSE_COST:
+    if is_rare or costs[second] - costs[best] < CLOSE_COST:
         likely = "rather" if costs[second] < costs[best] else "as well"
         who = "they" if best else "by their stems and growth they"
         doubt = f"{who} might {likely} grow along {directions[second]}"

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from baker.scans.scan import Scan
-from baker.scans.size import points_finding
+from baker.scans.size import points_finding, require_one_unit
 
 
 def scan(points: np.ndarray, name: str) -> Scan:
@@ -34,3 +34,10 @@ def test_points_far_from_the_plant_are_doubted(cloud: np.ndarray) -> None:
     finding = points_finding([scan(cloud, "day1"), scan(far, "day2")])
     assert "some of 'day2' are far from the rest, all are 90 across" in finding.remark
     assert finding.option == "--outliers 2"
+
+
+def test_the_factor_of_a_unit_fits_both_neighbours(cloud: np.ndarray) -> None:
+    """A plant that grows between the scans: inches would be nearer to the one before."""
+    sizes = {"day1": 18.5, "day2": 300.0, "day3": 44.0}
+    finding = require_one_unit([scan(size * cloud, name) for name, size in sizes.items()], "")
+    assert "multiply the coordinates of 'day2' by 0.1," in finding.remark
