@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from baker.alignment.frames import frame_finding, share_frame
 from baker.alignment.icp import trimmed_icp
 from baker.alignment.pose import Pose, pose_at, transform_onto
+from baker.alignment.same_plant import same_plant_findings
 from baker.alignment.sample import EvenSample, even_sample
 from baker.alignment.stem_base import common_base, stem_labels
-from baker.alignment.unlike_scans import unlike_scans
 from baker.alignment.up_axis_search import find_up
 from baker.alignment.yaw import YAWS, YawFit, fit_yaws, refined_yaw
 from baker.geometry.parallel import MapLike, reporting
@@ -29,7 +29,7 @@ class Alignment:
     up: str  # the direction of growth: "x", "y", "z", "-x", "-y" or "-z"
     transforms: tuple[Array, ...]  # (4, 4) from each scan's coordinates
     bases: tuple[Array, ...]  # (3,) plant base of each scan, in the common frame
-    findings: tuple[Finding, ...] = ()  # about the up axis, the frame and unlike scans
+    findings: tuple[Finding, ...] = ()  # about the up axis, the frame and the plant
 
     @property
     def moves(self) -> list[tuple[float, float]]:
@@ -107,7 +107,7 @@ def align(
         findings.append(
             frame_finding(samples, moves, fit, stays, series.length, is_requested=method == "turn")
         )
-    findings += unlike_scans(samples, transforms, map)
+    findings += same_plant_findings(samples, transforms, map)
     progress("aligning", total, total)
     return Alignment(
         direction, (*transforms,), (*_bases_in_frame(bases, transforms),), (*findings,)

@@ -1,13 +1,15 @@
-"""Find scans that seem to be of another plant."""
+"""Find scans that seem not to show the same plant while it grows."""
 
-from collections.abc import Sequence
-from itertools import combinations
+from collections.abc import Iterable, Sequence
+from itertools import combinations, compress, pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.icp import nearest_pairs
 from baker.alignment.sample import EvenSample
+from baker.geometry.graph import edge_components
 from baker.geometry.parallel import MapLike
 from baker.geometry.principal_axes import principal_spreads
 from baker.scans.scan import Finding
@@ -21,17 +23,41 @@ USUAL_DISSIMILARITY = 0.115  # of neighbours in time; used in a series of two sc
 SLENDERNESS_WEIGHT = 0.75  # of the difference in slenderness, in sizes of the plant
 PART_RADIUS = 0.16  # of neighbourhoods whose slenderness is compared, in sizes of the plant
 MIN_SIZE = 1e-3  # of a scan, in sizes of the largest; of a neighbourhood, in sizes of the scan
+LEAST_GROWTH = 0.92  # ratio of root mean square radii of successive scans; 0.96 in 20 real series
+PART_GAP, PART_SHARE = 0.12, 0.05  # width in sizes of the scan, and share of the separate part
 
 
-def unlike_scans(
+def same_plant_findings(
     samples: Sequence[EvenSample], transforms: NDArray[np.float64], map: MapLike = map
 ) -> list[Finding]:
-    """Name the scans that are unlike their neighbours in time, in at most one finding.
-
-    The dissimilarity of two scans is the root mean square distance of their `nearest_pairs` in
-    sizes of the plant, plus their weighted difference in slenderness.
+    """Doubt the scans that seem not to show the same plant while it grows, in at most one finding.
 
     transforms: (S, 4, 4) from the coordinates of each scan to those of the first one.
+    """
+    names = [sample.name for sample in samples]
+    radii = np.sqrt([sample.points.var(axis=0).sum() for sample in samples])
+    is_unlike = _excess_dissimilarities(samples, transforms, map) > MAX_EXCESS
+    is_copy = [np.array_equal(a.points, b.points) for a, b in pairwise(samples)]
+    is_smaller = radii[1:] < LEAST_GROWTH * radii[:-1]
+    doubts: dict[str, Iterable[Any]] = {
+        "of another plant or day, fallen or upside down: leave it out if so": is_unlike,
+        "a copy of the scan before": [False, *is_copy],
+        "incomplete, or of another day or scale, as plants hardly shrink": [False, *is_smaller],
+        "several plants, as parts are far from each other": [*map(_is_in_parts, samples)],
+    }
+    doubted = {what: ", ".join(compress(names, which)) for what, which in doubts.items()}
+    doubt = "; ".join(f"{named} may be {what}" for what, named in doubted.items() if named)
+    return [Finding("plant", "taken for the same one in all scans", doubt)] if doubt else []
+
+
+def _excess_dissimilarities(
+    samples: Sequence[EvenSample], transforms: NDArray[np.float64], map: MapLike
+) -> NDArray[np.float64]:
+    """(S,) dissimilarity of scans to their neighbours in time, minus that of these to each other.
+
+    The dissimilarity of two scans is the root mean square distance of their `nearest_pairs` in
+    sizes of the plant, plus their weighted difference in slenderness. The neighbours of an unlike
+    scan have an excess, too, but a smaller one, and are given 0.
     """
     count = len(samples)
     sizes = np.array([np.ptp(sample.points, axis=0).max() for sample in samples])
@@ -55,14 +81,18 @@ def unlike_scans(
         among = dissimilarity[np.ix_(adjacent, adjacent)]
         usual = np.nanmean(among) if count > 2 else USUAL_DISSIMILARITY
         excess[k] = dissimilarity[k, adjacent].mean() - usual
-    # The neighbours of an unlike scan have an excess, too, but a smaller one.
     is_peak = [excess[k] == excess[max(k - 1, 0) : k + 2].max() for k in range(count)]
-    unlike = [samples[k].name for k in range(count) if is_peak[k] and excess[k] > MAX_EXCESS]
-    if not unlike:
-        return []
-    names = ", ".join(unlike)
-    doubt = f"{names} may be of another plant or day, fallen or upside down: leave it out if so"
-    return [Finding("plant", "taken for the same one in all scans", doubt)]
+    return np.where(is_peak, excess, 0.0)
+
+
+def _is_in_parts(sample: EvenSample) -> bool:
+    """Whether a large part of a scan is far from the rest."""
+    from scipy.spatial import cKDTree
+
+    gap = PART_GAP * np.ptp(sample.points, axis=0).max()
+    edges = cKDTree(sample.points).query_pairs(gap, output_type="ndarray").T
+    sizes = np.bincount(edge_components(edges, len(sample.points)))
+    return bool(len(sample.points) - sizes.max() > PART_SHARE * len(sample.points))
 
 
 def _slenderness(sample: EvenSample, size: float) -> float:
