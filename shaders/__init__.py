@@ -16,14 +16,14 @@ _HEADERS = {
 }
 
 
-def source(name: str, **definitions: int | float) -> str:
+def source(name: str, **definitions: int | float | str) -> str:
     """Read a shader for OpenGL, with its includes.
 
     Parameters
     ----------
     name : str
         Name of a file in this package, such as ``"points.vert"``.
-    **definitions : int or float
+    **definitions : int, float or str
         Macros, written as ``#define NAME VALUE`` below the ``#version`` line.
 
     Returns
@@ -34,7 +34,7 @@ def source(name: str, **definitions: int | float) -> str:
     return with_header(resolved(name), PurePosixPath(name).suffix, **definitions)
 
 
-def with_header(text: str, suffix: str, **definitions: int | float) -> str:
+def with_header(text: str, suffix: str, **definitions: int | float | str) -> str:
     """Add version and macros for OpenGL to a shader; suffix: ".vert", ".frag" or ".comp"."""
     lines = "".join(f"#define {key} {value}\n" for key, value in sorted(definitions.items()))
     return _HEADERS[suffix] + lines + text

@@ -80,8 +80,8 @@ def export(
     if "every" in chosen.moments and count > MAX_FRAMES:
         raise PlayerError(f"{count} frames would be written; at most {MAX_FRAMES} are.")
     mode = film.style.color_mode(clip)
-    if chosen.content in ("points", "page") and mode.changes_in_time:
-        others = ", ".join(other for other in ColorMode if not other.changes_in_time)
+    if chosen.content in ("points", "page") and mode.quantity.changes_in_time:
+        others = ", ".join(one for one in ColorMode if not one.quantity.changes_in_time)
         raise PlayerError(
             f"--color {mode} changes while the plant grows, so it is for pictures and films; "
             f"{path.name} takes {others}."

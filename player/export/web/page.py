@@ -90,11 +90,10 @@ def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     first, last = clip.times[0], clip.times[-1]
     positions = [100.0 * (time - first) / (last - first) for time in clip.times]
-    has_values = film.style.color_mode(clip).per_mover
     yield from environment.get_template("page.html").generate(
         clip=clip,
         film=film,
-        scale=Colors(clip).value_range(film.style) if has_values else None,
+        scale=Colors(clip).value_range(film.style),
         marks=zip(positions, short_dates([scan.date for scan in clip.scans]), strict=True),
         crowded=min(after - before for before, after in pairwise(positions)) < MIN_DATE_DISTANCE,
         organs=clip.track_table[:MAX_ORGANS],

@@ -159,7 +159,7 @@ class Renderer {
     programs({ degree, colored, aligned }, fading = false) {
         const program = (vertex, fragment) => this.graphics.program(vertex, fragment, {
             DEGREE: degree, SCAN_COLORS: +colored, NORMALS: +aligned, FADING: +fading,
-            SCALAR_FIELD: 0, HAS_FLAGS: 1,
+            HAS_FLAGS: 1,
         });
         return {
             depth: program("splat", "splat_depth"), sum: program("splat", "splat_sum"),
