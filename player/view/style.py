@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from gclip import Clip
 
 LinearColor = tuple[float, float, float]  # red, green and blue in linear light
+LOOK = "color colormap field ground point_size shading depth_cue floor"  # options for a `Style`
 
 
 class ColorMap(StrEnum):
