@@ -8,6 +8,12 @@ import re
 from importlib.resources import files
 from pathlib import PurePosixPath
 
+# Constants that the code around the shaders shares with them; shaders have them as macros.
+NOTHING = 1e4  # relative depth of samples without a surface
+CORE = 0.7  # up to this distance from its centre, in its radii, a splat occludes what lies behind
+GREY = 0.07441, 0.25032, 0.02527  # of linear light: 35 % of its luminance (IEC 61966-2-1)
+
+_CONSTANTS = f"#define NOTHING {NOTHING}\n#define CORE {CORE}\n#define GREY vec3{GREY}\n"
 _INCLUDE = re.compile(r'^#include "([a-z_]+\.glsl)"\n', re.MULTILINE)
 _HEADERS = {
     ".vert": "#version 330 core\n",
@@ -41,8 +47,8 @@ def with_header(text: str, suffix: str, **definitions: int | float | str) -> str
 
 
 def resolved(name: str) -> str:
-    """Read a shader with its includes, without a version; web pages add WebGL's."""
-    return with_includes(files(__name__).joinpath(name).read_text("utf-8"))
+    """Read a shader with constants and includes, without a version; web pages add WebGL's."""
+    return _CONSTANTS + with_includes(files(__name__).joinpath(name).read_text("utf-8"))
 
 
 def with_includes(text: str) -> str:

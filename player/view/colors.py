@@ -16,12 +16,12 @@ from gclip.evaluate import locate, palette_at, srgb_to_linear
 from player.errors import PlayerError
 from player.view.color_modes import Scale
 from player.view.style import ColorMap, ColorMode, Style
+from shaders import GREY
 from traits.holdout_error import held_out_as_clip
 
 RAMP_SIZE = 256  # colours that a colour map is sampled at
 DIMMED_SHARE = 0.12  # share of its own colour that an organ keeps beside a highlighted one
 UNKNOWN_COLOR = np.array([150, 150, 150], np.uint8)  # sRGB of movers without a value
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])  # of linear sRGB (IEC 61966-2-1)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -114,7 +114,7 @@ class Colors:
         if style.picked is not None:
             weight[:] = DIMMED_SHARE
             weight[[style.picked if style.second is None else style.second, style.picked]] = 1.0
-        grey = 0.35 * (light @ LUMINANCE)[:, None]
+        grey = (light @ GREY)[:, None]
         light = weight[:, None] * light + (1.0 - weight[:, None]) * grey
         weight[[track for track in style.hidden if track < len(weight)]] = 0.0
         if style.isolated is not None:
