@@ -39,10 +39,8 @@ class Quantity:
     """
 
     colormap: str = ""  #: default colour map in `cmap`
-    #: of a clip; the text is the name of a field of its scans
     scale: Callable[["Clip", str], Scale] = lambda clip, field: Scale(1.0, "")
-    #: whether each mover has values at the scans, which a copy of the clip stores as its colours
-    per_mover: bool = False
+    per_mover: bool = False  #: whether movers have values at the scans, stored as their colours
     per_organ: bool = False  #: whether organs have values, which may change from day to day
     glsl: str = ""  #: function in shaders/scalar_field.glsl that computes the values of movers
     #: why a clip lacks the quantity, and how to bake it with the quantity; "" if it has it

@@ -109,7 +109,11 @@ class Colors:
         The weight is 0 for hidden organs, 1 for visible ones, and in between for organs that are
         dimmed beside a highlighted one. The colours in the palette are dimmed already.
         """
-        light = srgb_to_linear(self._track_colors(day, style) / 255.0)
+        colors = palette_at(self._clip, *locate(self._clip, day))[:, :3]
+        per_organ = style.color_mode(self._clip).quantity.per_organ
+        if per_organ and (scale := self.value_range(style)):
+            colors = scale.colors_of(np.array(scale.organs(day)))
+        light = srgb_to_linear(colors / 255.0)
         weight = np.ones(len(light))
         if style.picked is not None:
             weight[:] = DIMMED_SHARE
@@ -120,13 +124,6 @@ class Colors:
         if style.isolated is not None:
             weight[np.arange(len(weight)) != style.isolated] = 0.0
         return np.column_stack([light, weight]).astype(np.float32)
-
-    def _track_colors(self, day: float, style: Style) -> NDArray[np.uint8]:
-        """(tracks, 3) uint8 sRGB colours of the organs, by a value or their own."""
-        per_organ = style.color_mode(self._clip).quantity.per_organ
-        if per_organ and (scale := self.value_range(style)):
-            return scale.colors_of(np.array(scale.organs(day)))
-        return palette_at(self._clip, *locate(self._clip, day))[:, :3]
 
 
 def format_number(value: float, digits: int = 3) -> str:
