@@ -129,7 +129,8 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
     numbered = is_numbered(path)
     chosen = next((known for known in candidates if known.is_sequence == numbered), None)
     if chosen is None:
-        raise PlayerError(f"{path.name} is numbered, as pictures and clouds of points may be.")
+        allowed = "only pictures and point clouds can be numbered"
+        raise PlayerError(f"{path.name} is numbered; {allowed}.")
     (check_sequence if numbered else check_output)(path, force)
     if len(film.at) > 1 and chosen.moments == STILL:
         raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")
