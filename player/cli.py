@@ -16,7 +16,7 @@ from gclip.text import printable
 from player.errors import PlayerError
 from player.info import info_lines
 from player.ui.keys import help_text
-from player.view.style import ColorMap, ColorMode, GroundChoice, Style
+from player.view.style import LOOK, ColorMap, ColorMode, GroundChoice, Style
 from traits.dates import day_of
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ MAX_INFO_LINE = 2000  # characters of a line of --info
 MIN_SIDE, MAX_SIDE = 16, 16384  # pixels; OpenGL 4.1 guarantees textures of this size
 
 PANELS = {
-    "View": "size camera color colormap field ground point_size shading depth_cue floor",
+    "View": f"size camera {LOOK}",
     "Export": "export force list_exports fps seconds every day title date scale_bar legend "
     "transparent",
     "Window": "profile",

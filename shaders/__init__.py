@@ -8,6 +8,12 @@ import re
 from importlib.resources import files
 from pathlib import PurePosixPath
 
+# Constants that the code around the shaders shares with them; shaders have them as macros.
+NOTHING = 1e4  # relative depth of samples without a surface
+CORE = 0.7  # up to this distance from its centre, in its radii, a splat occludes what lies behind
+GREY = 0.07441, 0.25032, 0.02527  # of linear light: 35 % of its luminance (IEC 61966-2-1)
+
+_CONSTANTS = f"#define NOTHING {NOTHING}\n#define CORE {CORE}\n#define GREY vec3{GREY}\n"
 _INCLUDE = re.compile(r'^#include "([a-z_]+\.glsl)"\n', re.MULTILINE)
 _HEADERS = {
     ".vert": "#version 330 core\n",
@@ -16,14 +22,14 @@ _HEADERS = {
 }
 
 
-def source(name: str, **definitions: int | float) -> str:
+def source(name: str, **definitions: int | float | str) -> str:
     """Read a shader for OpenGL, with its includes.
 
     Parameters
     ----------
     name : str
         Name of a file in this package, such as ``"points.vert"``.
-    **definitions : int or float
+    **definitions : int, float or str
         Macros, written as ``#define NAME VALUE`` below the ``#version`` line.
 
     Returns
@@ -34,15 +40,15 @@ def source(name: str, **definitions: int | float) -> str:
     return with_header(resolved(name), PurePosixPath(name).suffix, **definitions)
 
 
-def with_header(text: str, suffix: str, **definitions: int | float) -> str:
+def with_header(text: str, suffix: str, **definitions: int | float | str) -> str:
     """Add version and macros for OpenGL to a shader; suffix: ".vert", ".frag" or ".comp"."""
     lines = "".join(f"#define {key} {value}\n" for key, value in sorted(definitions.items()))
     return _HEADERS[suffix] + lines + text
 
 
 def resolved(name: str) -> str:
-    """Read a shader with its includes, without a version; web pages add WebGL's."""
-    return with_includes(files(__name__).joinpath(name).read_text("utf-8"))
+    """Read a shader with constants and includes, without a version; web pages add WebGL's."""
+    return _CONSTANTS + with_includes(files(__name__).joinpath(name).read_text("utf-8"))
 
 
 def with_includes(text: str) -> str:

@@ -9,12 +9,11 @@ uniform float radius;        // of a splat, in the clip's unit
 uniform float focal_px;      // samples per unit of length where clip_w is 1
 uniform vec2 point_px_range; // smallest and largest diameter of a splat in samples
 
-const float NOTHING = 1e4;  // relative depth of samples without a surface
 const float UNKNOWN = 2.0;  // component of a normal that has to be derived from depths
 
-// In radii of a splat: up to CORE it occludes what lies behind it, up to RIM it contributes to the
-// surface (the weight there is 4 %), and splats within THICKNESS in depth are one surface.
-const float CORE = 0.7, RIM = 0.9, THICKNESS = 2.0;
+// In radii of a splat: up to RIM it contributes to the surface (the weight there is 4 %), and splats
+// within THICKNESS in depth are one surface.
+const float RIM = 0.9, THICKNESS = 2.0;
 
 float relative_depth(float view_depth) {
     return (view_depth - target_depth) / scene_radius;

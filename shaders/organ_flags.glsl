@@ -18,8 +18,7 @@ bool is_hidden(uint track) {
 
 vec3 dimmed(vec3 linear, uint track) {
 #if HAS_FLAGS
-    float grey = 0.35 * dot(linear, vec3(0.2126, 0.7152, 0.0722));
-    return mix(vec3(grey), linear, organ_texel(track).a);
+    return mix(vec3(dot(linear, GREY)), linear, organ_texel(track).a);
 #else
     return linear;
 #endif

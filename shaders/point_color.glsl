@@ -10,7 +10,7 @@ uniform float blend;    // weight of the colour at the interval's end
 
 // start, end: sRGB colours at the interval's start and end, unused without scan colours.
 vec3 point_color(vec3 curve[DEGREE + 1], uint track, vec4 start, vec4 end) {
-#if SCALAR_FIELD
+#ifdef SCALAR_FIELD
     return dimmed(scalar_color(curve), track);
 #elif SCAN_COLORS
     if (!by_track) {

@@ -14,12 +14,12 @@ from player.export.film import Film, Progress
 from player.export.web import page
 from player.output_names import check_sequence, is_numbered
 from player.view.colors import Colors
-from player.view.style import ColorMode, Style
+from player.view.style import LOOK, ColorMode, Style
 
 MAX_FRAMES = 200_000  # larger numbers are most likely typing errors
 
 # Options of `play` that have an effect on what a format holds,
-VIEW = "color colormap field ground point_size shading depth_cue floor size camera title"
+VIEW = f"{LOOK} size camera title"
 OPTIONS = {
     "picture": f"{VIEW} date scale_bar legend transparent",
     "page": VIEW,
@@ -80,8 +80,8 @@ def export(
     if "every" in chosen.moments and count > MAX_FRAMES:
         raise PlayerError(f"{count} frames would be written; at most {MAX_FRAMES} are.")
     mode = film.style.color_mode(clip)
-    if chosen.content in ("points", "page") and mode.changes_in_time:
-        others = ", ".join(other for other in ColorMode if not other.changes_in_time)
+    if chosen.content in ("points", "page") and mode.quantity.changes_in_time:
+        others = ", ".join(one for one in ColorMode if not one.quantity.changes_in_time)
         raise PlayerError(
             f"--color {mode} changes while the plant grows, so it is for pictures and films; "
             f"{path.name} takes {others}."
@@ -129,7 +129,8 @@ def format_of(path: Path, film: Film, force: bool = True) -> Format:
     numbered = is_numbered(path)
     chosen = next((known for known in candidates if known.is_sequence == numbered), None)
     if chosen is None:
-        raise PlayerError(f"{path.name} is numbered, as pictures and clouds of points may be.")
+        allowed = "only pictures and point clouds can be numbered"
+        raise PlayerError(f"{path.name} is numbered; {allowed}.")
     (check_sequence if numbered else check_output)(path, force)
     if len(film.at) > 1 and chosen.moments == STILL:
         raise PlayerError(f"{path.name} holds one --day; for several name it like %04d.png.")

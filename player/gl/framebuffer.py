@@ -7,10 +7,10 @@ import moderngl
 
 from player.gl.gl_errors import OutOfGpuMemory
 from player.gl.shader import Passes, Rectangle, Tiles
+from shaders import NOTHING
 
 TILE = 16  # side of a tile in samples; passes over the picture skip tiles without points
 COLOR, SCALAR, VECTOR = (4, "f2"), (1, "f4"), (2, "f2")  # number and type of channels
-NO_DEPTH = 1e4  # relative depth of samples without a point (shaders/depth.glsl)
 
 
 class GBuffer:
@@ -92,7 +92,7 @@ class GBuffer:
 
     def clear(self) -> None:
         """Clear depths, which are read beside the plant, too; other textures are not."""
-        self._depths.clear(NO_DEPTH, NO_DEPTH)
+        self._depths.clear(NOTHING, NOTHING)
 
 
 def draw_into(

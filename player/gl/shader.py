@@ -12,7 +12,9 @@ from player.gl.timers import PassTimers
 from shaders import source
 
 
-def compile_program(context: moderngl.Context, *files: str, **definitions: int | float) -> Any:
+def compile_program(
+    context: moderngl.Context, *files: str, **definitions: int | float | str
+) -> Any:
     """Compile a vertex and a fragment shader, or a compute shader, which needs OpenGL 4.3.
 
     files:       one or two files of the package `shaders`.

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from gclip import Clip, Interval, Motion
-from gclip.evaluate import Layer, bernstein
+from gclip.evaluate import Layer, bernstein, srgb_to_linear
 from player.gl.framebuffer import texture
 from player.gl.shader import compile_program, set_uniforms
 from player.gl.timers import PassTimers
 from player.rendering.point_buffers import ChunkBuffers, DrawRange, PointBuffers
 from player.view.colors import RAMP_SIZE, Colors
-from player.view.style import Style
+from player.view.style import ColorMode, Style
 
 PALETTE_WIDTH = 1024  # texels in a row of the palette
 MAX_TRACKS = 1024  # number of tracks that ten bits of a point's code tell apart
@@ -44,10 +44,10 @@ class PointCloud:
         self.buffers = PointBuffers(context, clip, memory)
         rows = -(-len(clip.track_table) // PALETTE_WIDTH)
         self.palette = texture(context, (PALETTE_WIDTH, rows), 4, "f4")
-        self._ramp = texture(context, (RAMP_SIZE, 1), 4, "f4")
+        self._ramp = texture(context, (RAMP_SIZE, 1), 3, "f4")
         self._colors = Colors(clip)
         self._color_state: tuple[float, Style] | None = None
-        self._definitions = {"SCALAR_FIELD": 0, "HAS_FLAGS": 0}
+        self._definitions: dict[str, int | str] = {"HAS_FLAGS": 0}
         self._color_uniforms: dict[str, Any] = {}
         self._indices: dict[int, moderngl.Buffer] = {}
         self._programs: dict[tuple[Any, ...], Any] = {}
@@ -56,20 +56,21 @@ class PointCloud:
         """Set the colours of a day and a style for the draw calls that follow."""
         if self._color_state == (day, style):
             return
-        tracks, field = len(self.clip.track_table), self._colors.scalar_field(style)
-        by_track = style.color_by in ("track", "age")
+        tracks, chosen = len(self.clip.track_table), ColorMode(style.color_by)
+        by_track = chosen is ColorMode.TRACK or chosen.quantity.per_organ
+        scale = self._colors.value_range(style) if chosen.quantity.glsl else None
         texels = np.zeros((self.palette.height * PALETTE_WIDTH, 4), np.float32)
         texels[:tracks] = self._colors.palette(day, style)
         self.palette.write(texels)
-        if self._color_state is None or self._color_state[1] != style:
-            self._ramp.write(self._colors.ramp(style))
         has_flags = style.hidden or style.picked is not None or style.isolated is not None
-        self._definitions = {"SCALAR_FIELD": field, "HAS_FLAGS": int(bool(has_flags))}
-        self._color_uniforms = {"palette": self.palette, "ramp": self._ramp, "by_track": by_track}
-        if field:
-            self._color_uniforms |= self._colors.uniforms(style)
+        self._definitions = {"HAS_FLAGS": int(bool(has_flags))}
+        self._color_uniforms = {"palette": self.palette, "by_track": by_track}
+        if scale:
+            self._ramp.write(srgb_to_linear(scale.colors() / 255.0).astype(np.float32))
+            self._definitions["SCALAR_FIELD"] = chosen.quantity.glsl
+            self._color_uniforms |= {"ramp": self._ramp, **scale.uniforms}
         uncolored = by_track or not self.clip.has_colors
-        self.color_from_track = not field and uncolored and tracks <= MAX_TRACKS
+        self.color_from_track = not scale and uncolored and tracks <= MAX_TRACKS
         self._color_state = day, style
 
     def draw(self, name: str, ranges: list[DrawRange], uniforms: dict[str, Any]) -> None:

@@ -13,10 +13,10 @@ from player.gl.framebuffer import GBuffer, draw_into, textures_of
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.rendering.splats import SplatParams
+from shaders import CORE
 
 MAX_RADIUS_PX = 2.0  # samples; for larger splats, rounding the centres to samples would show
 SQUARED_DISTANCES = np.repeat([0, 1, 2, 4, 5], [1, 4, 4, 4, 8])  # of NEAREST in fill_holes.frag
-CORE = 0.7  # as in shaders/depth.glsl
 
 
 class PointRaster:

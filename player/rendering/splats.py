@@ -11,11 +11,12 @@ import moderngl
 import numpy as np
 from numpy.typing import ArrayLike
 
-from player.gl.framebuffer import NO_DEPTH, TILE, GBuffer, draw_into, textures_of
+from player.gl.framebuffer import TILE, GBuffer, draw_into, textures_of
 from player.gl.shader import Rectangle
 from player.rendering.point_buffers import DrawRange
 from player.rendering.point_cloud import PointCloud
 from player.view.camera import Camera
+from shaders import NOTHING
 
 MAX_MARGIN = 512  # samples by which the viewport extends beyond the picture at most
 
@@ -100,7 +101,7 @@ def draw_splats(
     """
     picture, uniforms = (0, 0, *gbuffer.size), _with_margin(points, gbuffer, splats)
     draw_into(gbuffer.front, depth="<")
-    gbuffer.front.clear(NO_DEPTH, viewport=picture)
+    gbuffer.front.clear(NOTHING, viewport=picture)
     points.draw("splat_depth", ranges, uniforms)
     draw_into(gbuffer.sums, depth="<", blend=(moderngl.ONE, moderngl.ONE))
     gbuffer.sums.clear(viewport=picture)

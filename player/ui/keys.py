@@ -160,7 +160,7 @@ TABLE: dict[str, tuple[Action | Choice, ...]] = {
     "Look": (
         Choice("color", "c", "colour by something else", "Colour", "style.color_by",
                lambda s: s.color_modes, attrgetter("label"),
-               lambda s, mode: mode.why_unavailable(s.clip)),
+               lambda s, mode: mode.quantity.why_unavailable(s.clip)),
         Choice("field", "shift+f", "colour by another field", "Field", "style.field",
                lambda s: s.clip.fields or [""],
                lambda name: name or "none in this clip"),

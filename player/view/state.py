@@ -107,7 +107,7 @@ def with_clips(scene: Scene, clips: tuple[Clip, ...], reset: bool) -> Scene:
     timeline = replace(scene.timeline, times=tuple(clip.times))
     if len(clip.track_table) != len(scene.clip.track_table):
         style = replace(style, picked=None, second=None, isolated=None, hidden=frozenset())
-    if ColorMode(style.color_by).why_unavailable(clip):
+    if ColorMode(style.color_by).quantity.why_unavailable(clip):
         style = replace(style, color_by=ColorMode.AUTO)
     compare = scene.compare
     if len(clips) != len(scene.clips):

@@ -2,52 +2,15 @@
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
+
+from player.view.color_modes import ColorMode
 
 if TYPE_CHECKING:
     from gclip import Clip
 
 LinearColor = tuple[float, float, float]  # red, green and blue in linear light
-
-
-class ColorMode(StrEnum):
-    """What movers are coloured by."""
-
-    label: str  #: name in the user interface
-    colormap: str  #: default colour map of values in `cmap`; "" for colours of scans and organs
-
-    def __new__(cls, value: str, label: str = "", colormap: str = "") -> Self:
-        mode = str.__new__(cls, value)
-        mode._value_, mode.label, mode.colormap = value, label, colormap
-        return mode
-
-    AUTO = "auto", "the scans' colours, or organs"
-    SCAN = "scan", "scan colours"
-    TRACK = "track", "organs"
-    AGE = "age", "age", "crameri:imola_r"
-    GROWTH = "growth", "growth rate", "colorbrewer:YlOrRd"
-    SPEED = "speed", "speed of motion", "colorbrewer:YlOrRd"
-    HEIGHT = "height", "height", "viridis"
-    FIELD = "field", "field of the scans", "viridis"
-    ERROR = "error", "error", "plasma"
-
-    @property
-    def per_mover(self) -> bool:
-        """Whether movers have values at the scans, which a copy of the clip stores as colours."""
-        return self in (ColorMode.GROWTH, ColorMode.FIELD, ColorMode.ERROR)
-
-    @property
-    def changes_in_time(self) -> bool:
-        """Whether a mover's colour changes between scans, which only pictures can show."""
-        return bool(self.colormap) and not self.per_mover
-
-    def why_unavailable(self, clip: "Clip") -> str:
-        """Why a clip lacks this mode, and how to bake it with the mode; "" if it is available."""
-        if self is ColorMode.FIELD and not clip.fields:
-            return "the clip carries no field of its scans; bake it with --fields NAMES."
-        if self is ColorMode.ERROR and not clip.held_out:
-            return "the clip holds no scan that was left out of it; bake it with --holdout 2."
-        return ""
+LOOK = "color colormap field ground point_size shading depth_cue floor"  # options for a `Style`
 
 
 class ColorMap(StrEnum):

@@ -22,6 +22,7 @@ from player.ui.gui import Gui
 from player.ui.interface import Interface
 from player.ui.panel import panel_width
 from player.view.camera import Camera
+from player.view.camera_animation import load_path
 from player.view.choices import Compare
 from player.view.playback import Timeline
 from player.view.split_view import panes_of
@@ -141,16 +142,21 @@ class Window:
         self.scene = scene
 
     def _handle_requests(self) -> None:
-        """Handle the scene's request, dropped files, and clips that were baked again."""
+        """Handle the scene's request, dropped clips and camera paths, and clips baked again."""
         dropped, self._dropped[:] = list(self._dropped), []
         try:
             if self.scene.request is not None:
                 self.scene = self._exports.handle_request(self.scene, self.clips[0], self._area)
-            if dropped:
-                self._show([OpenClip.from_file(Path(name)) for name in dropped[:2]], reset=True)
+            paths = [Path(name) for name in dropped if name.lower().endswith(".json")]
+            if clips := [Path(name) for name in dropped if Path(name) not in paths]:
+                self._show([OpenClip.from_file(file) for file in clips[:2]], reset=True)
             elif self._files.changed():
                 reopened = [OpenClip.from_file(old.file) if old.file else old for old in self.clips]
                 self._show(reopened, reset=False)
+            for file in paths:
+                path = load_path(file, self.scene.clip)
+                scene = actions.follow_path(replace(self.scene, path=path, following=False))
+                self.scene = scene.with_notice(f"Opened {file.name}, {len(path.keys)} keys")
         except UserError as error:
             notice = str(error)
             for name in dropped:  # without the folder, the reason fits into the notice

@@ -91,7 +91,7 @@ class ExportJob:
         request, example, name = scene.request, scene.output.example, opened.name
         scene, day = replace(scene, request=None), scene.timeline.day
         if request is Request.CAMERA_KEY:
-            file = Path(f"{name}.camera.json")
+            file = (opened.file or Path(name)).parent / f"{name}.camera.json"
             previous = load_path(file, opened.clip) if file.exists() else scene.path
             path = previous.with_key(day, scene.camera)
             save_path(path, opened.clip, file)

@@ -38,7 +38,7 @@ def start(
     Raises ClipError for a damaged clip, and PlayerError as `show` does.
     """
     clips = [OpenClip.from_file(file) for file in files]
-    if reason := ColorMode(style.color_by).why_unavailable(clips[0].clip):
+    if reason := ColorMode(style.color_by).quantity.why_unavailable(clips[0].clip):
         raise PlayerError(reason)
     saved = load_settings()
     camera_path = load_path(path, clips[0].clip) if path else CameraPath()

@@ -143,7 +143,8 @@ class Viewports:
     def _renderer(self, pane: Pane, style: Style) -> Renderer:
         """The renderer of a pane; values as colours and held-out scans are clips of their own."""
         mode, colors = ColorMode(style.color_by), self._colors[pane.clip]
-        has_values = mode.per_mover and not mode.why_unavailable(self._clips[pane.clip])
+        quantity, clip = mode.quantity, self._clips[pane.clip]
+        has_values = quantity.per_mover and not quantity.why_unavailable(clip)
         coloring = f"{mode} {style.color_map} {style.field}" if has_values else ""
         key = (pane.clip, coloring, pane.held_out_index)
         if key not in self._renderers:
@@ -152,7 +153,7 @@ class Viewports:
                 replaced = pane.held_out_index is not None and held_out_index is not None
                 if replaced or (other_coloring and other_coloring != coloring):
                     self._renderers.pop(other).release()
-            clip = colors.clip_with_colors(style) if has_values else self._clips[pane.clip]
+            clip = colors.clip_with_colors(style) if has_values else clip
             if pane.held_out_index is not None:
                 clip = colors.held_out_clip(pane.held_out_index, style)
             self._renderers[key] = Renderer(self._context, clip, timers=self._timers)

@@ -117,7 +117,7 @@ def test_bad_wishes(saved: Path, tmp_path: Path, capsys: pytest.CaptureFixture[s
         ("p.html", ["--scale-bar"], "--scale-bar has no effect on p.html"),
         ("p.html", ["--color", "height"], "p.html takes auto, scan, track, growth, field, error."),
         ("c.ply", ["--color", "speed"], "--color speed changes while the plant grows"),
-        ("%04d.mp4", [], "%04d.mp4 is numbered, as pictures and clouds of points may be."),
+        ("%04d.mp4", [], "%04d.mp4 is numbered; only pictures and point clouds can be numbered."),
     ],
 )
 def test_options_without_effect_are_refused(

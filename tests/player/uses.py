@@ -73,9 +73,9 @@ def loaded(clip: Clip) -> None:
     for name in ("scan", "track", "age", "speed", "height"):
         colors, style = Colors(clip), Style(color_by=name)
         assert np.isfinite(colors.palette(days_of(clip)[1], style)).all()
-        assert np.isfinite(colors.ramp(style)).all()
-        if colors.scalar_field(style):
-            assert np.isfinite(np.hstack(list(colors.uniforms(style).values()))).all()
+        if scale := colors.value_range(style):
+            assert np.isfinite([scale.low, scale.high]).all()
+            assert all(np.isfinite(value).all() for value in scale.uniforms.values())
     assert all(bytes_per_point(interval) > 0 for interval in clip.intervals)
     timeline = Timeline.of(clip.times).played().tick(0.1)
     assert np.isfinite(timeline.day)

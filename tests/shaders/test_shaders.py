@@ -26,8 +26,14 @@ def test_definitions_follow_the_version() -> None:
     assert after.splitlines()[1:3] == ["#define FIRST 1", "#define SECOND 2"]
 
 
+def test_constants_of_the_code_are_macros_of_shaders() -> None:
+    for text in (shaders.source("fill_holes.frag"), shaders.resolved("splat.vert")):
+        assert f"#define CORE {shaders.CORE}\n" in text
+        assert text.count("CORE = ") == 0, "it would be a second home"
+
+
 def test_the_page_interpolates_with_the_windows_shader() -> None:
-    curve = shaders.resolved("interpolate.glsl")
+    curve = shaders.with_includes('#include "interpolate.glsl"\n')
     for name in SHADERS:
         text = shaders.resolved(name)
         assert not re.search(r"^#(include|version)", text, re.MULTILINE)

@@ -19,12 +19,13 @@ from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.export.web.encode import pack
 from player.rendering import ground
+from player.rendering.point_cloud import PALETTE_WIDTH
 from player.rendering.points import MAX_RADIUS_PX
 from player.rendering.renderer import MIN_POINT_PX, SPLAT_RADIUS, scene_radius, splat_edge
 from player.rendering.shading import DEPTH_CUE
 from player.rendering.splat_radius import ClosingDistances
 from player.view.camera import FITTED_SHARE, Camera, sampled_positions
-from player.view.colors import Colors, format_number
+from player.view.colors import DIMMED_SHARE, Colors, format_number
 from player.view.style import GROUNDS, ColorMode
 from traits.curves import curve_names, curve_svg, trait_curves
 from traits.dates import date_at, elapsed, short_dates
@@ -90,11 +91,10 @@ def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
     first, last = clip.times[0], clip.times[-1]
     positions = [100.0 * (time - first) / (last - first) for time in clip.times]
-    has_values = film.style.color_mode(clip).per_mover
     yield from environment.get_template("page.html").generate(
         clip=clip,
         film=film,
-        scale=Colors(clip).value_range(film.style) if has_values else None,
+        scale=Colors(clip).value_range(film.style),
         marks=zip(positions, short_dates([scan.date for scan in clip.scans]), strict=True),
         crowded=min(after - before for before, after in pairwise(positions)) < MIN_DATE_DISTANCE,
         organs=clip.track_table[:MAX_ORGANS],
@@ -120,6 +120,8 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
         "tracks": srgb_to_linear(clip.palette[:, :3] / 255.0).round(5).tolist(),
         "newborn": [[*newborn(clip, k).items()] for k in range(len(clip.intervals))],
         "intervals": layouts,
+        "palette": {"width": PALETTE_WIDTH, "grey": shaders.GREY, "dimmed": DIMMED_SHARE},
+        "nothing": shaders.NOTHING,
         "coverage": [closing.at(time) for time in clip.times],
         "splat": {"radii": SPLAT_RADIUS, "smallest": MIN_POINT_PX, "small": MAX_RADIUS_PX},
         "uniforms": {

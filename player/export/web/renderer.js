@@ -2,9 +2,6 @@
 // filtering of depths, shadow, lighting, and composition over the background.
 
 const MAX_MEMORY = 384 << 20;  // bytes of points kept on the GPU
-const NOTHING = 1e4;  // relative depth of samples without a surface (depth.glsl)
-const DIMMED_SHARE = 0.12;  // share of its own colour that an organ keeps beside a selected one
-const LUMINANCE = [0.2126, 0.7152, 0.0722];  // of linear sRGB
 const TYPES = { Uint8Array: "UNSIGNED_BYTE", Uint16Array: "UNSIGNED_SHORT", Uint32Array: "UNSIGNED_INT" };
 
 class Renderer {
@@ -102,7 +99,7 @@ class Renderer {
         const [front] = nearest.textures, [colors, depths, normals] = surface.textures;
         gl.depthMask(true);
         gl.enable(gl.DEPTH_TEST);
-        graphics.bind(nearest, NOTHING, 0, 0, 0);
+        graphics.bind(nearest, clip.nothing, 0, 0, 0);
         gl.clear(gl.DEPTH_BUFFER_BIT);
         this.drawPoints("depth", layers, values, stride);
         gl.depthMask(false);
@@ -159,7 +156,7 @@ class Renderer {
     programs({ degree, colored, aligned }, fading = false) {
         const program = (vertex, fragment) => this.graphics.program(vertex, fragment, {
             DEGREE: degree, SCAN_COLORS: +colored, NORMALS: +aligned, FADING: +fading,
-            SCALAR_FIELD: 0, HAS_FLAGS: 1,
+            HAS_FLAGS: 1,
         });
         return {
             depth: program("splat", "splat_depth"), sum: program("splat", "splat_sum"),
@@ -174,14 +171,14 @@ class Renderer {
         const newborn = new Map(clip.newborn[interval]);
         const key = [selected, newborn.size ? day : null].join();
         if (this.cachedPalette.key === key) return this.cachedPalette.texture;
-        const width = 1024, height = Math.ceil(clip.tracks.length / width);
+        const { width, grey, dimmed } = clip.palette, height = Math.ceil(clip.tracks.length / width);
         const texels = new Float32Array(4 * width * height);
         clip.tracks.forEach((own, i) => {
             const from = clip.tracks[newborn.get(i) ?? i];
             const color = own.map((c, k) => (1 - share) * from[k] + share * c);
-            const weight = selected < 0 || selected === i ? 1 : DIMMED_SHARE;
-            const grey = 0.35 * (1 - weight) * color.reduce((sum, c, k) => sum + LUMINANCE[k] * c, 0);
-            texels.set([...color.map((c) => weight * c + grey), weight], 4 * i);
+            const weight = selected < 0 || selected === i ? 1 : dimmed;
+            const faded = (1 - weight) * color.reduce((sum, c, k) => sum + grey[k] * c, 0);
+            texels.set([...color.map((c) => weight * c + faded), weight], 4 * i);
         });
         this.cachedPalette.texture ||= graphics.texture(width, height, gl.RGBA32F);
         this.cachedPalette.key = key;

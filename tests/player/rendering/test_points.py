@@ -13,7 +13,7 @@ import player.rendering.renderer
 from baker.interpolation.packing import Movers, pack_interval
 from gclip import Clip, Motion, ScanMark, Track
 from player.gl.framebuffer import GBuffer
-from player.rendering.points import CORE, SQUARED_DISTANCES
+from player.rendering.points import SQUARED_DISTANCES
 from player.view.style import Style
 from shaders import source
 from tests.player.drawn import Picture, camera_at, drawn
@@ -113,7 +113,6 @@ def test_samples_around_a_point_are_sorted_by_distance() -> None:
     found = [int(x) ** 2 + int(y) ** 2 for x, y in offsets]
     assert found == SQUARED_DISTANCES.tolist()
     assert len(set(offsets)) == len(offsets)
-    assert f"CORE = {CORE}," in text
 
 
 @pytest.mark.parametrize("point_size", [0.3, 0.7, 1.0, 1.4])

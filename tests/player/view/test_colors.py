@@ -9,7 +9,8 @@ import pytest
 from gclip.evaluate import srgb_to_linear
 from player.rendering.renderer import Renderer
 from player.view.camera import Camera
-from player.view.colors import Colors, nice_ceil, range_and_values
+from player.view.color_modes import nice_ceil
+from player.view.colors import Colors
 from player.view.style import ColorMode, Style
 from tests.player.conftest import ClipMaker
 
@@ -121,7 +122,6 @@ def test_what_a_style_comes_to(make_clip: ClipMaker) -> None:
     assert Style().color_mode(bare) == "track"
     assert Style().color_mode(colored) == "scan"
     assert Style(color_by="scan").color_mode(bare) == "track"
-    assert Colors(bare).scalar_field(Style(color_by="age")) == 0
     assert Colors(bare).value_range(Style(color_by="track")) is None
 
 
@@ -151,7 +151,13 @@ def test_a_newborn_organ_s_colour_changes_from_day_to_day(
         one.release()
 
 
-@pytest.mark.parametrize("mode", [mode for mode in ColorMode if not mode.colormap])
-def test_modes_without_values_are_refused(make_clip: ClipMaker, mode: ColorMode) -> None:
-    with pytest.raises(ValueError, match="has no values"):
-        range_and_values(make_clip(), mode, "")
+@pytest.mark.parametrize("mode", ColorMode)
+def test_each_mode_says_where_its_values_are_known(make_clip: ClipMaker, mode: ColorMode) -> None:
+    quantity, clip = mode.quantity, make_clip()
+    places = [quantity.per_mover, quantity.per_organ, bool(quantity.glsl)]
+    assert places.count(True) == bool(quantity.colormap)
+    if quantity.colormap and not quantity.why_unavailable(clip):
+        scale = quantity.scale(clip, "")
+        given = [len(scale.movers) > 0, len(scale.organs(1.0)) > 0, bool(scale.uniforms)]
+        assert given == places
+        assert scale.low < scale.high

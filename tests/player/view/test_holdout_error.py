@@ -75,7 +75,7 @@ def test_errors_are_the_colors_of_a_copy(clip: Clip) -> None:
 def test_an_error_s_place_on_the_ramp_is_its_share_of_the_highest(clip: Clip) -> None:
     known = holdout_errors(clip)[0]
     for highest in (3.0, 12.0):
-        scale = ValueRange(ColorMode.ERROR, 0.0, highest, "mm", "gray")
+        scale = ValueRange(high=highest, unit="mm", color_map="gray")
         shades = scale.colored(clip.intervals[0], known).start_colors[:, 0].astype(int)
         assert np.abs(shades - 255 * np.minimum(known / highest, 1.0)).max() <= 1
 

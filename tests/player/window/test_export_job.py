@@ -79,10 +79,10 @@ def test_a_picture_waits_for_the_export_under_way(saved: Path) -> None:
     assert told == replace(scene, notice="film.mp4 is being exported; E stops it.")
 
 
-def test_a_camera_key_is_added_to_those_in_the_file(
-    saved: Path, monkeypatch: pytest.MonkeyPatch
+def test_a_camera_key_is_added_to_those_in_the_file_beside_the_clip(
+    saved: Path, monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
-    monkeypatch.chdir(saved.parent)
+    monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
     scene, opened = scene_of(gclip.open(saved)), OpenClip.from_file(saved)
     for day in (0.0, 5.0, 5.0):  # each time as if the window had just opened
         asked = replace(scene, request=Request.CAMERA_KEY, timeline=scene.timeline.at(day))
@@ -90,6 +90,8 @@ def test_a_camera_key_is_added_to_those_in_the_file(
     kept = load_path(saved.parent / "plant.camera.json", opened.clip)
     for path in (told.path, kept):
         assert [day for day, _ in path.keys] == [0.0, 5.0]
+    assert told.notice == f"Saved plant.camera.json in {saved.parent}, 2 keys"
+    assert not list(Path().iterdir())
 
 
 def test_one_whose_window_was_killed_leaves_nothing_either(saved: Path) -> None:

@@ -12,6 +12,8 @@ import numpy as np
 import pytest
 
 from player.ui.panel import WIDTH
+from player.view.camera import Camera
+from player.view.camera_animation import CameraPath, save_path
 from tests.player.shown import DATES, TIMES, Shown, small_clip
 
 SIZE = (900, 600)
@@ -229,5 +231,30 @@ def test_dropped_files_are_opened(display: dict[str, str], clip_file: Path, tmp_
         shown.until(lambda state: "missing.gclip" in state["notice"])
         dropped(shown, clip_file, other)
         shown.until(lambda state: state["compare"] == "side by side")
+    finally:
+        shown.end()
+
+
+def test_a_dropped_camera_path_is_followed(
+    display: dict[str, str], clip_file: Path, tmp_path: Path
+) -> None:
+    """As by --camera, also with the clip that it belongs to; others are refused in one sentence."""
+    file, clip = tmp_path / "round.JSON", small_clip()
+    path = CameraPath().with_key(TIMES[0], Camera.home(clip)).with_key(TIMES[-1], Camera())
+    save_path(path, clip, file)
+    (tmp_path / "sideways.json").write_text(file.read_text().replace('"z"', '"-x"'))
+    shown = Shown(display, clip_file, (500, 400))
+    try:
+        shown.key("t")
+        shown.until(lambda state: state["turning"])
+        dropped(shown, tmp_path / "sideways.json")
+        told = shown.until(lambda state: state["notice"].startswith("sideways.json: up is"))
+        assert (told["keys"], told["turning"]) == (0, True)
+        for files in ([file], [file, clip_file]):
+            dropped(shown, *files)
+            told = shown.until(lambda state: state["notice"] == "Opened round.JSON, 2 keys")
+            assert (told["keys"], told["following"], told["turning"]) == (2, True, False)
+            shown.key("j")
+            shown.until(lambda state: not state["following"] and not state["notice"])
     finally:
         shown.end()
