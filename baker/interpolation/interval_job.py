@@ -237,7 +237,8 @@ def _register_organ(
     """
     places = (start, source.attachment), (end, target.attachment)
     bases = [int(((points - place) ** 2).sum(axis=1).argmin()) for points, place in places]
-    if leaflets := match_leaflets(start, end, (bases[0], bases[1])):
+    has_children = bool(source.nodes.keys() & target.nodes.keys())
+    if not has_children and (leaflets := match_leaflets(start, end, (bases[0], bases[1]))):
         return None, leaflets
     motion = fit_motion(source, target)
     whole = np.arange(len(start)), np.arange(len(end))

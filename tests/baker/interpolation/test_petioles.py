@@ -1,0 +1,49 @@
+"""Leaves stay at the ends of their petioles, where these belong to the stem."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial import cKDTree
+
+import baker
+
+LEAVES, HEIGHT, LENGTH = 4, 60.0, 22.0  # number of leaves; of the stem, and of petioles and blades
+
+
+def rod(rng: np.random.Generator, start: np.ndarray, end: np.ndarray, count: int) -> np.ndarray:
+    """(count, 3) points of a thin rod."""
+    return start + np.outer(rng.random(count), end - start) + rng.normal(0.0, 0.6, (count, 3))
+
+
+def plant(seed: int, turns: list[float], size: float) -> np.ndarray:
+    """(n, 4) points and labels of a stem with petioles, label 0, and of a leaf on each of these.
+
+    turns: of the petioles about the stem in degrees. size: factor on all lengths.
+    """
+    rng, up = np.random.default_rng(seed), np.array([0.0, 0.0, 1.0])
+    parts = [np.pad(rod(rng, 0 * up, HEIGHT * up, 900), ((0, 0), (0, 1)))]
+    for leaf, turn in enumerate(turns):
+        angle = np.radians(360.0 * leaf / LEAVES + turn)
+        out, side = np.array(
+            [[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0]]
+        )
+        base = (25.0 + 9.0 * leaf) * up
+        tip = base + LENGTH * (out + 0.6 * up)
+        parts.append(np.pad(rod(rng, base, tip, 250), ((0, 0), (0, 1))))
+        along, across = rng.random(500), rng.uniform(-0.5, 0.5, 500)
+        width = np.sqrt(along - along**2) * across
+        blade = tip + LENGTH * (np.outer(along, out - 0.2 * up) + np.outer(width, side))
+        parts.append(np.column_stack([blade, np.full(500, leaf + 1)]))
+    return np.concatenate(parts) * [size, size, size, 1.0]
+
+
+@pytest.mark.parametrize("turns", [[70, 70, 70, 70], [90, -20, 60, 0], [40, -40, 50, -30]])
+def test_leaves_stay_on_petioles_that_turn(tmp_path: Path, turns: list[float]) -> None:
+    np.savetxt(tmp_path / "day0.txt", plant(1, [0.0] * LEAVES, 1.0))
+    np.savetxt(tmp_path / "day1.txt", plant(2, turns, 1.15))
+    clip = baker.bake([tmp_path], baker.Options(align="none", up="z", labels="consistent"))
+    middle = clip.at(0.5)
+    tree = cKDTree(middle.positions[middle.tracks == 0])
+    for leaf in range(1, LEAVES + 1):
+        assert tree.query(middle.positions[middle.tracks == leaf])[0].min() < 1.5
