@@ -164,13 +164,13 @@ def survey_series(
     # Neighbours are found for one scan after another, each in parallel, since scans differ in size.
     clouds, vertical = [frame.positions for frame in frames], Vertical.named(alignment.up)
     neighbors = [nearest_neighbors(cloud, map=map) for cloud in clouds]
-    pairs = zip(clouds, neighbors, strict=True)
-    surfaces = [normals_and_areas(cloud, near, map) for cloud, near in pairs]
-    if not options.paper:
-        series = replace(series, scans=tuple(map(with_clean_labels, series.scans, neighbors)))
+    # The threads begin with the labels and bases of whole scans, then share the surfaces of each.
+    scans = series.scans if options.paper else map(with_clean_labels, series.scans, neighbors)
     is_estimated = root is None and not options.paper
     positions = [frame.base if is_estimated else root for frame in frames]
     bases = map(base_point, clouds, repeat(vertical), neighbors, positions)
+    surfaces = [normals_and_areas(*pair, map) for pair in zip(clouds, neighbors, strict=True)]
+    series = replace(series, scans=tuple(scans))
     keyframes = tuple(
         replace(frame, normals=normals, area=area if choices.even else None)
         for frame, (normals, area) in zip(frames, surfaces, strict=True)

@@ -121,7 +121,5 @@ def _closest_pairs(
     scale = OUTLIER_SCALE * float(np.median(distance)) or 1.0
     weight = 1.0 / (1.0 + (distance / scale) ** 2)
     displacement = weight[:, None] * (target[second] - source[first])
-    count = len(source)
-    sums = [np.bincount(first, values, count) for values in (weight, *displacement.T)]
-    totals = np.stack(sums, axis=1).astype(np.float64)
-    return totals[:, 0], totals[:, 1:]
+    sums = [np.bincount(first, values, len(source)) for values in (weight, *displacement.T)]
+    return sums[0].astype(np.float64), np.stack(sums[1:], axis=1, dtype=np.float64)

@@ -79,7 +79,7 @@ def interval_jobs(
         keyframes = tuple(replace(frame, positions=cloud) for frame, cloud in frames)
         attachments = organ_attachments(clouds, spacings, matches)
     timings: list[dict[int, Timing]] = [{} for _ in matches]
-    if is_curved:
+    if is_curved and len(matches) > 1:
         timings = organ_timings(clouds, matches, series.times, series.spacing)
     transport = TransportOptions(  # the paper's costs are plain distances on a kNN support
         method="sinkhorn" if options.transport == "sinkhorn" else "exact",

@@ -6,7 +6,7 @@ the parent that moves least through the series.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from itertools import chain, pairwise
+from itertools import chain, pairwise, repeat
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,8 +44,7 @@ def organ_attachments(
     """
     hierarchies = [match.first for match in matches] + [matches[-1].second]
     matched = {match.second.organs[b] for match in matches for _, b in match.pairs}
-    scans = zip(clouds, spacings, hierarchies, strict=True)
-    contacts = [_contacts(*scan, matched) for scan in scans]
+    contacts = list(map(_contacts, clouds, spacings, hierarchies, repeat(matched)))
     chosen: list[Attachments] = [{} for _ in clouds]
     for organ in set().union(*contacts):
         present = [scan for scan in range(len(clouds)) if organ in contacts[scan]]

@@ -107,11 +107,11 @@ def _displacements(
         shift = from_start * shorter[:, None] + from_end
         is_single = ~shift.any(axis=1)
         if is_single.any():
-            own, rank = own[is_single], turn[is_single] % NEIGHBORS
-            nearest = tree.query(own, k=np.arange(2, rank.max() + 3))[1]
-            neighbor = middle[nearest[np.arange(len(own)), rank]]
+            distinct, number = np.unique(chosen[is_single], return_inverse=True)
+            rank = turn[is_single] % NEIGHBORS
+            nearest = tree.query(middle[distinct], k=np.arange(2, rank.max() + 3))[1]
             # A third of the distance: the neighbour's repetition may be as near from its side.
-            shift[is_single] = (neighbor - own) / 3
+            shift[is_single] = (middle[nearest[number, rank]] - own[is_single]) / 3
         yield part, shift / (1 + turn // np.where(is_single, NEIGHBORS, 1))[:, None]
 
 
