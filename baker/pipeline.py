@@ -9,11 +9,9 @@ from functools import partial
 from itertools import pairwise, repeat
 from pathlib import Path
 
-import numpy as np
-
 from baker.alignment import Alignment, align
 from baker.alignment.keyframes import AlignedSeries, aligned_keyframes, hold_out
-from baker.alignment.stem_base import base_point
+from baker.alignment.stem_base import base_point, named_base
 from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, one_blas_thread, reporting, thread_map, worker_count
 from baker.geometry.surface import normals_and_areas
@@ -156,8 +154,8 @@ def survey_series(
     raw = read_series(files, options, partial(progress, "reading"), map, times)
     options = options.for_series(raw.fixed, raw.length, raw.root)
     choices, root = options.resolved(), None
-    if options.root not in (None, "virtual"):  # the plant base that the user named
-        root = np.asarray(options.root, float) - raw.scans[0].origin
+    if isinstance(options.root, tuple):
+        root = named_base(options.root, raw.scans[0])
     alignment = align(raw, choices.align, choices.up, root, progress, map)
     series, frames, held_out = hold_out(raw, aligned_keyframes(raw, alignment), options.holdout)
 

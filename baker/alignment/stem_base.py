@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.sample import EvenSample, surface_graph
+from baker.errors import InputError
 from baker.geometry.graph import MIN_LENGTH, segment_gaps
 from baker.geometry.neighbors import NEIGHBORS_FOR_RADIUS, Neighbors, nearest_neighbors
 from baker.geometry.parallel import MapLike
 from baker.geometry.up_axis import Vertical
+from baker.scans.scan import Scan
 
 CLOSE_SCORE = 0.4  # margin by which the usual label may score less than the best one of a scan
 LOW_SHARE = 0.1  # of the height: the slab in which the base is searched for
@@ -138,3 +140,19 @@ def base_point(
     neighbors = neighbors or nearest_neighbors(points, NEIGHBORS_FOR_RADIUS)
     distance = vertical.height(points) if near is None else ((points - near) ** 2).sum(axis=1)
     return int(np.argmin(np.where(neighbors.inliers, distance, np.inf)))
+
+
+def named_base(place: Sequence[float], scan: Scan) -> NDArray[np.float64]:
+    """Convert the plant base that the user named to the (3,) local coordinates of the first scan.
+
+    Raises InputError if it is farther from the scan than this is large.
+    """
+    base = np.asarray(place, float) - scan.origin
+    distance = float(np.linalg.norm(scan.points - base, axis=1).min())
+    size = float(np.ptp(scan.points, axis=0).max())
+    if distance > size:
+        raise InputError(
+            f"--root is {distance:.3g} from '{scan.name}', which is {size:.3g} across; a place on "
+            "the plant is needed."
+        )
+    return base

@@ -1,6 +1,6 @@
 """Solve single intervals: independent jobs for threads, processes or other machines."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -235,11 +235,25 @@ def _register_organ(
 
     An organ with leaflets has no single spine, and therefore no motion.
     """
-    places = (start, source.attachment), (end, target.attachment)
-    bases = [int(((points - place) ** 2).sum(axis=1).argmin()) for points, place in places]
-    has_children = bool(source.nodes.keys() & target.nodes.keys())
-    if not has_children and (leaflets := match_leaflets(start, end, (bases[0], bases[1]))):
+    children = sorted(source.nodes.keys() & target.nodes.keys())
+    first, second = _contacts(start, source, children), _contacts(end, target, children)
+    leaflets = match_leaflets(start, end, (first[0], second[0]))
+    # A leaflet that carries a child is a petiole, and petioles resemble each other.
+    if leaflets and _are_shared(leaflets, zip(first, second, strict=True)):
         return None, leaflets
     motion = fit_motion(source, target)
     whole = np.arange(len(start)), np.arange(len(end))
     return motion, (LeafletPair(*whole, motion.registered(start, end)),)
+
+
+def _contacts(
+    points: NDArray[np.floating], shape: OrganShape, children: Sequence[int]
+) -> list[int]:
+    """The points of an organ nearest to its own attachment and to those of its children."""
+    places = [shape.attachment, *(shape.points[shape.nodes[child]] for child in children)]
+    return [int(((points - place) ** 2).sum(axis=1).argmin()) for place in places]
+
+
+def _are_shared(parts: Sequence[LeafletPair], contacts: Iterable[tuple[int, int]]) -> bool:
+    """Whether points of an organ in both scans, by pairs, belong to the same parts."""
+    return all(any(i in part.start and j in part.end for part in parts) for i, j in contacts)

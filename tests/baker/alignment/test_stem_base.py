@@ -7,8 +7,10 @@ import pytest
 
 from baker.alignment import align
 from baker.alignment.sample import even_sample
-from baker.alignment.stem_base import base_point, stem_labels
+from baker.alignment.stem_base import base_point, named_base, stem_labels
+from baker.errors import InputError
 from baker.geometry.up_axis import Vertical
+from baker.scans.scan import Scan
 from tests.baker.series import series_of
 
 SIZE = 100.0
@@ -78,3 +80,10 @@ def test_the_base_is_lowest_along_any_axis(up: str) -> None:
 def test_the_lowest_of_few_points_is_the_base(count: int) -> None:
     points = np.array([[0.0, 0.0, 1.0], [0.0, 3.0, 0.0], [5.0, 0.0, 2.0]])[:count]
     assert base_point(points, Vertical.named("z")) == np.argmin(points[:, 2])
+
+
+def test_a_place_far_from_the_plant_is_no_base() -> None:
+    scan = Scan(plant(0), name="day0.ply", origin=np.array([100.0, 0.0, 0.0]))
+    assert np.array_equal(named_base((100.0, 0.0, 0.0), scan), np.zeros(3))
+    with pytest.raises(InputError, match=r"--root is .* from 'day0.ply', which is 99.8 across"):
+        named_base((0.0, 0.0, 900.0), scan)
