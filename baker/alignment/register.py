@@ -11,13 +11,13 @@ from baker.alignment.frames import frame_finding, share_frame
 from baker.alignment.icp import trimmed_icp
 from baker.alignment.pose import Pose, pose_at, transform_onto
 from baker.alignment.same_plant import same_plant_findings
-from baker.alignment.sample import EvenSample, even_sample
+from baker.alignment.sample import even_sample
 from baker.alignment.stem_base import common_base, stem_labels
 from baker.alignment.up_axis_search import find_up
 from baker.alignment.yaw import YAWS, YawFit, fit_yaws, refined_yaw
 from baker.geometry.parallel import MapLike, reporting
 from baker.geometry.up_axis import Vertical
-from baker.scans.scan import Finding, Scan, Series
+from baker.scans.scan import Finding, Series
 
 Array = NDArray[np.float64]
 
@@ -75,19 +75,16 @@ def align(
     total = len(scans) + 1  # a step for the sample of each scan, and one for the alignment
     with_progress = reporting(map, lambda done, _: progress("aligning", done, total), len(scans))
     labelled = all(scan.labels is not None for scan in scans)
-
-    def sample_of(scan: Scan) -> EvenSample:
-        labels, offset = scan.labels if labelled else None, scan.origin - scans[0].origin
-        return even_sample(scan.points, labels, scan.name, offset)
-
-    samples = list(with_progress(sample_of, scans))
+    clouds, names = [scan.points for scan in scans], [scan.name for scan in scans]
+    labels = [scan.labels if labelled else None for scan in scans]
+    offsets = np.array([scan.origin - scans[0].origin for scan in scans])
+    samples = list(with_progress(even_sample, clouds, labels, names, offsets))
     direction, findings = find_up(samples, up, series.ground_up)
     vertical = Vertical.named(direction)
     stems = stem_labels(samples, vertical, map) if labelled else [None] * len(scans)
     bases, in_place = common_base(samples, stems, vertical)
     if root is not None:
         bases[0] = root
-    offsets = np.array([sample.offset for sample in samples])
     transforms = np.tile(np.eye(4), (len(scans), 1, 1))
     transforms[:, :3, 3] = offsets
     if method == "icp":

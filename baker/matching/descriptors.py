@@ -79,7 +79,7 @@ def describe_organs(
     samples = [cloud[o[::k]].astype(np.float64) for o, k in zip(members, steps, strict=True)]
     base, entries = cloud[root_point].astype(np.float64), organ_entries(cloud, labels, root_point)
     attachments, parents = entries.attachments()
-    is_attached = np.arange(len(members)) != entries.root
+    is_attached = np.arange(len(members)) != entries.organ[0]
     offsets = [sample - point for sample, point in zip(samples, attachments, strict=True)]
     sizes = np.array([np.sqrt((offset**2).sum(axis=1).mean()) for offset in offsets])
     mean = np.array([offset.mean(axis=0) for offset in offsets])

@@ -49,12 +49,10 @@ def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> 
     attachment points. Returns a partition of the points of both scans; it is empty if the organ has
     no leaflets in one of the scans, or too few of them match.
     """
-    sides: list[Indices] = [np.empty(0, np.intp)] * 2
-    for side in sorted((0, 1), key=lambda side: len((start, end)[side])):
-        sides[side] = segment_leaflets((start, end)[side], attachments[side])
-        if sides[side].max() < 0:
-            return []
-    first, second = sides
+    first = segment_leaflets(start, attachments[0])
+    second = segment_leaflets(end, attachments[1]) if first.max() >= 0 else first
+    if second.max() < 0:
+        return []
     source, pairs = register_leaflets(start, end, attachments, first, second)
     if len(pairs) < MIN_PAIRS:
         return []

@@ -33,9 +33,15 @@ def blade_scores(sample: PlantSample, tree: ReebTree) -> NDArray[np.float64]:
 
     They depend on the flatness around the point, and on the widths there and of its section.
     """
+    from scipy.spatial import cKDTree
+
     flat = (MIN_ROD_FLATNESS - flatness(sample)) / FLATNESS_RANGE
     section = np.log(np.clip(tree.width / sample.diameter, 1.0 / np.e, np.e))
-    width = np.log(np.maximum(local_width(sample) / sample.diameter, np.finfo(float).tiny))
+    coarse = sample.points[voxel_downsample(sample.points, WIDE_SPACING * sample.diameter)]
+    spreads = principal_spreads(coarse, WIDE_RADIUS * sample.diameter)
+    # The root mean square width of the wider neighbourhoods, along the middle axis.
+    widths = 2.0 * spreads[cKDTree(coarse).query(sample.points)[1], 1]
+    width = np.log(np.maximum(widths / sample.diameter, np.finfo(float).tiny))
     return flat + SECTION_WEIGHT * section[tree.node] + WIDTH_WEIGHT * width
 
 
@@ -71,15 +77,6 @@ def flatness(sample: PlantSample) -> NDArray[np.float64]:
     """(n,) ratio of the two smaller principal axes around points: 1 in a rod, 0 on a flat sheet."""
     spreads = principal_spreads(sample.points, BALL_RADIUS * sample.diameter)
     return spreads[:, 0] / np.maximum(spreads[:, 1], np.finfo(float).tiny)
-
-
-def local_width(sample: PlantSample) -> NDArray[np.float64]:
-    """(n,) root mean square width of the wider neighbourhoods of points, along the middle axis."""
-    from scipy.spatial import cKDTree
-
-    coarse = sample.points[voxel_downsample(sample.points, WIDE_SPACING * sample.diameter)]
-    spreads = principal_spreads(coarse, WIDE_RADIUS * sample.diameter)
-    return np.asarray(2.0 * spreads[cKDTree(coarse).query(sample.points)[1], 1])
 
 
 def _blade_starts(tree: ReebTree, blade_score: NDArray[np.float64]) -> NDArray[np.bool_]:

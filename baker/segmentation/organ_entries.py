@@ -27,11 +27,6 @@ class OrganEntries:
     entry: NDArray[np.intp]  # (m,) index of the point at which the path last enters that organ
     source: NDArray[np.intp]  # (m,) index of the organ from which it does; of the root's, the root
 
-    @property
-    def root(self) -> int:
-        """The index of the organ at the plant base."""
-        return int(self.organ[0])
-
     def shares(self) -> NDArray[np.float64]:
         """(n, n) share of the paths to the row's organ that enter it from the column's."""
         counts = np.zeros((len(self.labels), len(self.labels)))
@@ -49,7 +44,7 @@ class OrganEntries:
             self.points[self.entry[(self.organ == k) & (self.source == other)]].mean(axis=0)
             for k, other in enumerate(source)
         ]
-        attachments[self.root] = self.points[0]
+        attachments[self.organ[0]] = self.points[0]
         return np.array(attachments), source
 
 

@@ -103,7 +103,14 @@ def reeb_tree(sample: PlantSample) -> ReebTree:
                 depth.append(node_level)
             numbers[k] = found[main]
         node[members] = numbers[origin_of]
-    return _measure_tree(sample, node, parent)
+    children: list[list[int]] = [[] for _ in parent]
+    tip_distance = np.full(len(parent), sample.thickness)
+    for child in range(len(parent) - 1, 0, -1):
+        node_below, through_child = parent[child], tip_distance[child] + sample.thickness
+        children[node_below].insert(0, child)
+        tip_distance[node_below] = max(tip_distance[node_below], through_child)
+    width = section_widths(sample.points, sample.distance, node)
+    return ReebTree(node, parent, children, width, tip_distance)
 
 
 def _level_components(graph: Graph, level: NDArray[np.intp]) -> list[NDArray[np.intp]]:
@@ -119,18 +126,6 @@ def _common_ancestor(parent: list[int], i: int, j: int) -> int:
     while i != j:
         i, j = (parent[i], j) if i > j else (i, parent[j])
     return i
-
-
-def _measure_tree(sample: PlantSample, node: NDArray[np.intp], parent: list[int]) -> ReebTree:
-    """Measure the widths and lengths of a tree, and list the children of its nodes."""
-    children: list[list[int]] = [[] for _ in parent]
-    tip_distance = np.full(len(parent), sample.thickness)
-    for child in range(len(parent) - 1, 0, -1):
-        node_below, through_child = parent[child], tip_distance[child] + sample.thickness
-        children[node_below].insert(0, child)
-        tip_distance[node_below] = max(tip_distance[node_below], through_child)
-    width = section_widths(sample.points, sample.distance, node)
-    return ReebTree(node, parent, children, width, tip_distance)
 
 
 def sample_plant(points: NDArray[np.floating], base: int) -> PlantSample:

@@ -66,17 +66,9 @@ def largest_entries(plan: Plan, n: int, m: int) -> tuple[NDArray[np.int32], NDAr
     """
     chosen = np.zeros(len(plan.mass), bool)
     for side, count in ((plan.rows, n), (plan.columns, m)):
-        chosen[_maxima(side, plan.mass, count)] = True
+        largest, entries = np.zeros(count), np.zeros(count, np.intp)
+        np.maximum.at(largest, side, plan.mass)
+        backwards = np.flatnonzero(plan.mass == largest[side])[::-1]
+        entries[side[backwards]] = backwards  # assignment to equal indices keeps the last value
+        chosen[entries] = True
     return plan.rows[chosen], plan.columns[chosen]
-
-
-def _maxima(group: Indices, mass: NDArray[np.float64], count: int) -> NDArray[np.intp]:
-    """(count,) the first entry of the largest mass in each group.
-
-    Equivalent to ``[np.argmax(np.where(group == g, mass, -1)) for g in range(count)]``.
-    """
-    largest, entries = np.zeros(count), np.full(count, -1)
-    np.maximum.at(largest, group, mass)
-    backwards = np.flatnonzero(mass == largest[group])[::-1]
-    entries[group[backwards]] = backwards  # assignment to equal indices keeps the last value
-    return entries

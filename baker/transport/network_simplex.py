@@ -32,7 +32,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.transport.compiled import compiled
-from baker.transport.problem import Coupling, Masses
+from baker.transport.problem import Coupling, Edges, Masses
 
 NO_NODE: Any = np.uint32(0xFFFFFFFF)  # in the place of the index of a node
 TOLERANCE = 1e-12  # share of the largest cost; reduced costs above minus this are not negative
@@ -89,7 +89,7 @@ def improve_cells(
             for k in range(near.shape[1]):
                 near_nodes[v, k] = nodes[near[members[v], k]]
         ends, mass = (arcs[0, begin:stop], arcs[1, begin:stop]), plans[2, begin:stop]
-        network_simplex(tree, n, near_nodes, *ends, mass, power, exhaustive)
+        network_simplex(tree, n, near_nodes, ends, mass, power, exhaustive)
         for v in range(count):
             nodes[members[v]] = NO_NODE
             if tree[v].flow > 0:
@@ -114,20 +114,14 @@ def _number_points(ends: Ints, nodes: Ints, members: Ints, count: int, numbers: 
 
 @compiled
 def network_simplex(
-    tree: Tree,
-    n: int,
-    near: Ints,
-    tails: Ints,
-    heads: Ints,
-    mass: Masses,
-    power: int,
-    exhaustive: bool,
+    tree: Tree, n: int, near: Ints, ends: Edges, mass: Masses, power: int, exhaustive: bool
 ) -> None:
     """Turn a feasible plan into an optimal spanning tree, in place.
 
-    tree: with coordinates. n: number of rows. near: (n + m, k) neighbours. tails, heads, mass: (E,)
-    nodes and flow of the arcs of the plan.
+    tree: with coordinates. n: number of rows. near: (n + m, k) neighbours. ends, mass: two (E,) and
+    (E,) nodes and flow of the arcs of the plan.
     """
+    tails, heads = ends
     root, rows = np.uint32(len(tree) - 1), np.uint32(n)
     in_tree = np.zeros(len(tails), np.bool_)
     largest_cost = _build_tree(tree, tails, heads, mass, power, in_tree)

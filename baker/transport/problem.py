@@ -1,12 +1,11 @@
 """The transport problem of two segments: options, costs, masses and plans."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from baker.geometry.morton import morton_order
 
@@ -98,44 +97,6 @@ def _matrix_powers(matrix: NDArray[np.float64], *exponents: float) -> list[NDArr
         (vectors * np.maximum(values, TINY if exponent < 0 else 0.0) ** exponent) @ vectors.T
         for exponent in exponents
     ]
-
-
-def make_plan(
-    start: Points,
-    end: Points,
-    edges: Edges,
-    mass: ArrayLike,
-    power: int,
-    solver: str,
-    *,
-    notes: Sequence[str] = (),
-    masses: tuple[Masses, Masses] | None = None,
-) -> Plan:
-    """Sort the pairs of a coupling, and compute its cost and the error of its marginals.
-
-    mass: (E,) of the pairs, with sum 1. masses: the marginals, by default uniform.
-    """
-    order = np.argsort(edges[0].astype(np.int64) * len(end) + edges[1], kind="stable")
-    rows, columns = edges[0][order], edges[1][order]
-    flow = np.asarray(mass, np.float64)[order]
-    cost = float(flow @ costs(start, end, (rows, columns), power))
-    supply, demand = masses or uniform_masses(len(start), len(end))
-    return Plan(
-        rows.astype(np.int32),
-        columns.astype(np.int32),
-        flow,
-        cost,
-        cost ** (1.0 / power),
-        _marginal_error(rows, flow, supply) + _marginal_error(columns, flow, demand),
-        solver,
-        tuple(notes),
-    )
-
-
-def _marginal_error(indices: Indices, mass: NDArray[np.float64], marginal: Masses) -> float:
-    """L1 error of the sums over rows or columns, given the marginal in integer units."""
-    sums = np.bincount(indices, mass, len(marginal))
-    return float(np.abs(sums - marginal / marginal.sum()).sum())
 
 
 def uniform_masses(n: int, m: int) -> tuple[Masses, Masses]:

@@ -8,12 +8,10 @@ from numpy.typing import NDArray
 from baker.transport.problem import (
     Edges,
     Indices,
-    Plan,
     Points,
     TransportOptions,
     balance,
     costs,
-    make_plan,
     uniform_masses,
 )
 from baker.transport.space_partition import bisection_plan
@@ -36,8 +34,10 @@ class Scaling(NamedTuple):
     iterations: int  # number of updates of both u and v
 
 
-def regularized_plan(start: Points, end: Points, options: TransportOptions) -> Plan:
-    """Compute Sinkhorn's plan between two segments.
+def regularized_plan(
+    start: Points, end: Points, options: TransportOptions
+) -> tuple[Edges, Floats, tuple[str, ...]]:
+    """Compute Sinkhorn's plan between two segments: pairs, their masses, and notes for the report.
 
     On the plain support of the paper (`feasible=False`), often only a part of the mass can be
     transported. The iterations then end where they stall, and the notes give the marginal error.
@@ -50,10 +50,10 @@ def regularized_plan(start: Points, end: Points, options: TransportOptions) -> P
         support, cost / (options.gamma * typical), n, m,
         options.tolerance, options.iterations, options.feasible,
     )  # fmt: skip
-    error, remaining = scaling.error, _drop_small(support, cost, scaling.mass, n, m)
+    error = scaling.error
     note = f"stopped after {scaling.iterations} iterations at a marginal error of {error:.2g}"
     notes = (note,) if error >= options.tolerance else ()
-    return make_plan(start, end, *remaining, options.power, "sinkhorn", notes=notes)
+    return *_drop_small(support, cost, scaling.mass, n, m), notes
 
 
 def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Points, Points, Edges]:

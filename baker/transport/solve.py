@@ -9,7 +9,6 @@ from baker.transport.problem import (
     TransportOptions,
     balance,
     costs,
-    make_plan,
     overlap_masses,
     uniform_masses,
 )
@@ -45,20 +44,30 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
     """
     options = options or TransportOptions()
     start, end = np.asarray(start, np.float64), np.asarray(end, np.float64)
-    if options.method == "sinkhorn":
-        return regularized_plan(start, end, options)
-
     n, m = len(start), len(end)
-    # For squared distances, translations change rounding errors only.
-    source = start - start.mean(axis=0)
-    target = end - (end if options.power == 2 else start).mean(axis=0)
-    # `balance` improves the choice of pairs to price; of few points, all pairs are priced.
-    if options.power == 2 and min(n, m) > MAX_POINTS_PRICED_AT_ONCE:
-        source, target = balance(start, end)
-    masses = overlap_masses(start, end) if options.overlap else uniform_masses(n, m)
-    edges, mass = multiscale_plan(source, target, *masses, options)
-    flow = mass / mass.sum()
-    return make_plan(start, end, edges, flow, options.power, "network simplex", masses=masses)
+    if options.method == "sinkhorn":
+        masses, solver = uniform_masses(n, m), "sinkhorn"
+        edges, flow, notes = regularized_plan(start, end, options)
+    else:
+        # For squared distances, translations change rounding errors only.
+        source = start - start.mean(axis=0)
+        target = end - (end if options.power == 2 else start).mean(axis=0)
+        # `balance` improves the choice of pairs to price; of few points, all pairs are priced.
+        if options.power == 2 and min(n, m) > MAX_POINTS_PRICED_AT_ONCE:
+            source, target = balance(start, end)
+        masses = overlap_masses(start, end) if options.overlap else uniform_masses(n, m)
+        edges, mass = multiscale_plan(source, target, *masses, options)
+        flow, solver, notes = mass / mass.sum(), "network simplex", ()
+    order = np.argsort(edges[0].astype(np.int64) * m + edges[1], kind="stable")
+    rows, columns = (side[order].astype(np.int32) for side in edges)
+    flow = flow[order]
+    cost = float(flow @ costs(start, end, (rows, columns), options.power))
+    distance = cost ** (1.0 / options.power)
+    errors = [
+        np.abs(np.bincount(side, flow, len(marginal)) - marginal / marginal.sum()).sum()
+        for side, marginal in zip((rows, columns), masses, strict=True)
+    ]
+    return Plan(rows, columns, flow, cost, distance, float(sum(errors)), solver, notes)
 
 
 def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0) -> float:
