@@ -91,9 +91,9 @@ def surface_normals(
     codes = np.zeros((count, 2), np.uint8)
     if k < 3:
         return codes
-    averaged = _averaged(np.concatenate([covariance, points.T]).T, neighbors)
+    averaged = _averaged(np.concatenate([covariance, points.T]).T, neighbors, map)
     mean, positions = averaged[:, :6].T, averaged[:, 6:]
-    curvature = (positions - _averaged(positions, neighbors)).T
+    curvature = (positions - _averaged(positions, neighbors, map)).T
 
     def compute(part: slice) -> None:
         # The variance along the curvature is reduced, so that the axis of the smallest one turns
@@ -109,14 +109,23 @@ def surface_normals(
     return codes
 
 
-def _averaged(values: Floats, neighbors: Neighbors) -> Floats:
+def _averaged(values: Floats, neighbors: Neighbors, map: MapLike) -> Floats:
     """The means of (N, n) values over each point and its neighbours."""
     from scipy.sparse import csr_matrix
 
     count, k = neighbors.indices.shape
-    begins, ones = np.arange(0, count * k + 1, k), np.ones(count * k)
-    adjacency = csr_matrix((ones, neighbors.indices.ravel(), begins), (count, count))
-    return (values + adjacency @ values) / (k + 1)
+    rows = np.ascontiguousarray(values, np.float64)
+    means = np.empty_like(rows)
+
+    def compute(part: slice) -> None:
+        nearest = neighbors.indices[part]
+        begins = np.arange(0, nearest.size + 1, k)
+        ones = np.ones(nearest.size)
+        adjacency = csr_matrix((ones, nearest.ravel(), begins), (len(nearest), count))
+        means[part] = (rows[part] + adjacency @ rows) / (k + 1)
+
+    list(map(compute, blocks(count)))
+    return means
 
 
 def _eigenvalues(covariance: Floats) -> Floats:

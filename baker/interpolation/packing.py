@@ -110,5 +110,8 @@ def _quantised(points: NDArray[np.floating], box: Box | None) -> NDArray[Any]:
     """Points as integers in a box, or as float32 where there is none."""
     if box is None:
         return points.astype(np.float32, copy=False)
-    step = np.where(box.step > 0, box.step, 1.0)
-    return np.round((points - np.asarray(box.low)) / step).astype(np.uint16)
+    low, step = np.asarray(box.low), np.where(box.step > 0, box.step, 1.0)
+    packed = np.empty(points.shape, np.uint16)
+    for axis in range(3):
+        packed[:, axis] = np.round((points[:, axis] - low[axis]) / step[axis])
+    return packed

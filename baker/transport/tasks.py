@@ -1,7 +1,7 @@
 """The transport tasks of one interval: matched, new and lost organs."""
 
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, partial
 from typing import Literal
 
 import numpy as np
@@ -47,41 +47,13 @@ def interval_tasks(
     the first scan is in the start of one match or loss, each point of the second in the end of one
     task.
     """
-    from scipy.spatial import cKDTree
-
     starts, ends, organs = match.first.segments, match.second.segments, match.second.organs
-
-    @cache
-    def attach(ancestor: int | None, top: int) -> NDArray[np.intp]:
-        """The points of the segment `ancestor` that are nearest to the new segment `top`.
-
-        Unless `paper`, stray points are left out: of twice as many, those in their middle are
-        chosen.
-        """
-        members = np.arange(len(points[0])) if ancestor is None else starts[ancestor]
-        count = attachment_points
-        if not count:
-            least, share = PAPER_MIN_ATTACHMENT_POINTS, ATTACHMENT_SHARE * len(members)
-            if not paper:
-                least, share = MIN_ATTACHMENT_POINTS, min(share, ORGAN_SHARE * len(ends[top]))
-            count = max(least, round(min(share, MAX_ATTACHMENT_POINTS)))
-        near_count = count if paper else 2 * count
-        tree = cKDTree(points[1].take(ends[top], axis=0), balanced_tree=False)
-        # A sample gives an upper bound of the distances, which makes the query faster.
-        sample = members[:: max(1, len(members) // (SAMPLE_RATIO * near_count))]
-        nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:near_count]
-        bound = 1.000001 * float(nearest[-1]) or np.inf
-        distances, _ = tree.query(points[0].take(members, axis=0), distance_upper_bound=bound)
-        near = members[np.argsort(distances, kind="stable")[:near_count]]
-        start = points[0].take(near, axis=0)
-        from_middle = ((start - np.median(start, axis=0)) ** 2).sum(axis=1)
-        return near[np.sort(np.argsort(from_middle, kind="stable")[:count])]
-
     # A stem that is matched with a virtual, empty root is lost, or born.
     matched = [(a, b) for a, b in match.pairs if len(starts[a]) and len(ends[b])]
     born = [*match.births, *(b for a, b in match.pairs if not len(starts[a]))]
     lost = [*match.losses, *(a for a, b in match.pairs if not len(ends[b]))]
     tasks = [Task("match", organs[b], starts[a], ends[b]) for a, b in matched]
+    attach = cache(partial(_attachment_points, points, match, attachment_points, paper))
     born = [b for b in born if len(ends[b])]
     tasks += [Task("birth", organs[b], attach(*_attachment(match, b)), ends[b]) for b in born]
     tasks += [Task("loss", match.first.organs[a], starts[a], np.arange(0)) for a in lost]
@@ -102,3 +74,37 @@ def _attachment(match: Match, segment: int) -> tuple[int | None, int]:
     if start is not None and not len(match.first.segments[start]):
         start = None
     return start, top if len(match.second.segments[top]) else segment
+
+
+def _attachment_points(
+    points: tuple[Points, Points],
+    match: Match,
+    count: int | None,
+    paper: bool,
+    ancestor: int | None,
+    top: int,
+) -> NDArray[np.intp]:
+    """The points of the segment `ancestor` that are nearest to the new segment `top`.
+
+    Unless `paper`, stray points are left out: of twice as many, those in their middle are chosen.
+    """
+    from scipy.spatial import cKDTree
+
+    members = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]
+    organ = match.second.segments[top]
+    if not count:
+        least, share = PAPER_MIN_ATTACHMENT_POINTS, ATTACHMENT_SHARE * len(members)
+        if not paper:
+            least, share = MIN_ATTACHMENT_POINTS, min(share, ORGAN_SHARE * len(organ))
+        count = max(least, round(min(share, MAX_ATTACHMENT_POINTS)))
+    near_count = count if paper else 2 * count
+    tree = cKDTree(points[1].take(organ, axis=0), balanced_tree=False)
+    # A sample gives an upper bound of the distances, which makes the query faster.
+    sample = members[:: max(1, len(members) // (SAMPLE_RATIO * near_count))]
+    nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:near_count]
+    bound = 1.000001 * float(nearest[-1]) or np.inf
+    distances, _ = tree.query(points[0].take(members, axis=0), distance_upper_bound=bound)
+    near = members[np.argsort(distances, kind="stable")[:near_count]]
+    start = points[0].take(near, axis=0)
+    from_middle = ((start - np.median(start, axis=0)) ** 2).sum(axis=1)
+    return near[np.sort(np.argsort(from_middle, kind="stable")[:count])]

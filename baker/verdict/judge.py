@@ -29,16 +29,12 @@ def judge_clip(
     """
     names = ["the stem" if organ.kind == "stem" else organ.name for organ in clip.track_table]
 
-    def motions(index: int) -> list[Doubt]:
-        return [*doubtful_motions(clip.intervals[index], jobs[index].attachments, names)]
-
-    def identities(index: int) -> list[Doubt]:
+    def doubts_in(index: int, job: IntervalJob) -> list[Doubt]:
+        motions = doubtful_motions(clip.intervals[index], job.attachments, names)
         confirmed_labels = {label for interval, label in confirmed if interval == index}
-        return [*doubtful_identities(jobs[index], names, confirmed_labels, labels.are_names)]
+        return [*motions, *doubtful_identities(job, names, confirmed_labels, labels.are_names)]
 
-    # Of one interval, both halves run at the same time; identities take longer and come first.
-    by_identity, by_motion = (map(part, range(len(jobs))) for part in (identities, motions))
-    doubts = [*chain.from_iterable(chain(*zip(by_motion, by_identity, strict=True)))]
+    doubts = [*chain.from_iterable(map(doubts_in, range(len(jobs)), jobs))]
     return replace(
         clip, provenance={**clip.provenance, "verdict": verdict_provenance(clip, doubts)}
     )
