@@ -1,6 +1,6 @@
 """Solve single intervals: independent jobs for threads, processes or other machines."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
 
@@ -237,10 +237,11 @@ def _register_organ(
     """
     children = sorted(source.nodes.keys() & target.nodes.keys())
     first, second = _contacts(start, source, children), _contacts(end, target, children)
-    leaflets = match_leaflets(start, end, (first[0], second[0]))
-    # A leaflet that carries a child is a petiole, and petioles resemble each other.
-    if leaflets and _are_shared(leaflets, zip(first, second, strict=True)):
-        return None, leaflets
+    if leaflets := match_leaflets(start, end, (first[0], second[0])):
+        stalk = leaflets[0]
+        # A leaflet that carries a child is a petiole, and petioles resemble each other.
+        if np.isin(first, stalk.start).all() and np.isin(second, stalk.end).all():
+            return None, leaflets
     motion = fit_motion(source, target)
     whole = np.arange(len(start)), np.arange(len(end))
     return motion, (LeafletPair(*whole, motion.registered(start, end)),)
@@ -252,8 +253,3 @@ def _contacts(
     """The points of an organ nearest to its own attachment and to those of its children."""
     places = [shape.attachment, *(shape.points[shape.nodes[child]] for child in children)]
     return [int(((points - place) ** 2).sum(axis=1).argmin()) for place in places]
-
-
-def _are_shared(parts: Sequence[LeafletPair], contacts: Iterable[tuple[int, int]]) -> bool:
-    """Whether points of an organ in both scans, by pairs, belong to the same parts."""
-    return all(any(i in part.start and j in part.end for part in parts) for i, j in contacts)

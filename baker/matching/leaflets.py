@@ -43,7 +43,7 @@ class LeafletPair:
 
 
 def match_leaflets(start: Points, end: Points, attachments: tuple[int, int]) -> list[LeafletPair]:
-    """Divide an organ into pairs of matched leaflets, and the rest.
+    """Divide an organ into its stalk, which comes first, and pairs of matched leaflets.
 
     start, end: (n, 3) and (m, 3), the organ in two successive scans. attachments: indices of the
     attachment points. Returns a partition of the points of both scans; it is empty if the organ has
