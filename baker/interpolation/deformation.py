@@ -15,6 +15,7 @@ from baker.geometry.sampling import farthest_point_sample
 from baker.interpolation.spine import NODE_POSITIONS, Points, Spine, interpolate_nodes, unit
 
 # docs/method.md, "Motion of organs".
+MAX_OFFSET = 1.5  # of a landmark from the spine, in median offsets of the organ's points
 MIN_NODE_DISTANCE = 0.02  # between landmarks along a spine, as a share of its length
 MAX_WIDENING = 3.0  # greatest factor by which cross-sections widen or narrow
 CENTERS = 60  # number of local affine maps
@@ -34,17 +35,20 @@ def spine_deformation(
 ) -> Points:
     """Move the (n, 3) points of an organ from one spine to the other, with their offsets from it.
 
-    The order of points and landmarks along the spine is kept. The offsets are rotated by the
-    smallest rotation between the tangents, and scaled like the radius of the (m, 3) target.
+    The order of points, and of landmarks near the spine, is kept along it. The offsets are rotated
+    by the smallest rotation between the tangents, and scaled like the radius of the (m, 3) target.
     """
-    i, j = landmarks
+    offsets = source - interpolate_nodes(before.nodes, before.along)
+    target_offsets = target - interpolate_nodes(after.nodes, after.along)
+    distances = [np.linalg.norm(side, axis=1) for side in (offsets, target_offsets)]
+    # Children at the ends of petioles are beside the spine, whose length they say nothing about.
+    is_near = [d[k] <= MAX_OFFSET * np.median(d) for d, k in zip(distances, landmarks, strict=True)]
+    i, j = (side[is_near[0] & is_near[1]] for side in landmarks)
     knots = _landmark_levels(before.along[i], after.along[j])
     tangents = unit(interpolate_nodes(after.tangents, np.interp(NODE_POSITIONS, *knots)))
     centers = interpolate_nodes(after.nodes, np.interp(before.along, *knots))
     rotations = interpolate_nodes(rotations_between(before.tangents, tangents), before.along)
-    offsets = source - interpolate_nodes(before.nodes, before.along)
-    target_offsets = target - interpolate_nodes(after.nodes, after.along)
-    radii = [np.sqrt((x**2).sum(axis=1).mean()) for x in (offsets, target_offsets)]
+    radii = [np.sqrt((distance**2).mean()) for distance in distances]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
     return centers + width * np.einsum("nij,nj->ni", rotations, offsets)
 
