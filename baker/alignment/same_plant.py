@@ -1,4 +1,4 @@
-"""Find scans that seem not to show the same plant while it grows."""
+"""Find scans that may not show the same plant as the others, or not while it grows."""
 
 from collections.abc import Iterable, Sequence
 from itertools import combinations, compress, pairwise
@@ -30,7 +30,7 @@ PART_GAP, PART_SHARE = 0.12, 0.05  # width in sizes of the scan, and share of th
 def same_plant_findings(
     samples: Sequence[EvenSample], transforms: NDArray[np.float64], map: MapLike = map
 ) -> list[Finding]:
-    """Doubt the scans that seem not to show the same plant while it grows, in at most one finding.
+    """Report scans that a single plant would hardly give while it grows, in at most one finding.
 
     transforms: (S, 4, 4) from the coordinates of each scan to those of the first one.
     """

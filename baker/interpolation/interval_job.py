@@ -236,7 +236,8 @@ def _register_organ(
     An organ with leaflets has no single spine, and therefore no motion.
     """
     children = sorted(source.nodes.keys() & target.nodes.keys())
-    first, second = _contacts(start, source, children), _contacts(end, target, children)
+    first = _attachment_points(start, source, children)
+    second = _attachment_points(end, target, children)
     if leaflets := match_leaflets(start, end, (first[0], second[0])):
         stalk = leaflets[0]
         # A leaflet that carries a child is a petiole, and petioles resemble each other.
@@ -247,9 +248,9 @@ def _register_organ(
     return motion, (LeafletPair(*whole, motion.registered(start, end)),)
 
 
-def _contacts(
+def _attachment_points(
     points: NDArray[np.floating], shape: OrganShape, children: Sequence[int]
 ) -> list[int]:
-    """The points of an organ nearest to its own attachment and to those of its children."""
+    """Indices of the points nearest to the attachment of an organ, and to those of its children."""
     places = [shape.attachment, *(shape.points[shape.nodes[child]] for child in children)]
     return [int(((points - place) ** 2).sum(axis=1).argmin()) for place in places]

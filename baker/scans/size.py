@@ -37,8 +37,8 @@ def require_one_unit(scans: Sequence[Scan], unit: str) -> Finding:
         ratio = np.exp(logs[usual] - logs[odd])
         if 1 / LIKELY_RATIO < ratio < LIKELY_RATIO or min(sizes[odd], sizes[usual]) == 0.0:
             continue
-        expected = np.interp(odd, np.delete(range(len(logs)), odd), np.delete(logs, odd))
-        factor = min(factors, key=lambda factor: abs(np.log(factor) + logs[odd] - expected))
+        expected_log = np.interp(odd, np.delete(range(len(logs)), odd), np.delete(logs, odd))
+        factor = min(factors, key=lambda factor: abs(np.log(factor) + logs[odd] - expected_log))
         name = scans[odd].name
         doubt = (
             f"'{name}' is {rounded[odd]} across, '{scans[usual].name}' {rounded[usual]}, as if they"
