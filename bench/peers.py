@@ -64,7 +64,7 @@ def player(plant: Plant, plain: bool) -> Draw:
     from player.view.style import Style
 
     offscreen = Offscreen(plant.clip, plant.size, supersample=1)
-    style = Style(depth_cue=False, eye_dome=0.0, show_ground=False) if plain else Style()
+    style = Style(depth_cue=False, shading=0.0, floor=False) if plain else Style()
     return lambda share: offscreen.picture(share, plant.camera, style)
 
 

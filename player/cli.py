@@ -1,7 +1,9 @@
 """The command `play`: shows clips in a window, exports them, or prints what they contain."""
 
 import re
+from collections.abc import Callable
 from functools import partial
+from inspect import Parameter, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -17,6 +19,7 @@ from player.errors import PlayerError
 from player.info import info_lines
 from player.ui.keys import help_text
 from player.view.style import LOOK, ColorMap, ColorMode, GroundChoice, Style
+from shaders.effects import EFFECTS
 from traits.dates import day_of
 
 if TYPE_CHECKING:
@@ -60,7 +63,21 @@ def _flag(help: str, *names: str) -> Any:
     return typer.Option(*names, help=help)
 
 
+def _with_effects(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command an option for each effect, instead of ``**effects``."""
+    declared = signature(command)
+    *options, _ = declared.parameters.values()
+    for one in EFFECTS:
+        declare = _flag if one.is_switch else partial(_option, "FACTOR", min=0, max=one.limit)
+        option: Any = Annotated[type(one.default), declare(one.help)]
+        kind = Parameter.KEYWORD_ONLY
+        options.append(Parameter(one.name, kind, default=one.default, annotation=option))
+    command.__signature__ = declared.replace(parameters=options)  # type: ignore[attr-defined]
+    return command
+
+
 @app.command(epilog=EPILOG + help_text())
+@_with_effects
 def play_command(
     context: typer.Context,
     clips: Annotated[
@@ -92,11 +109,6 @@ def play_command(
     point_size: Annotated[
         float, _option("FACTOR", "Multiplies the size of points.", min=0.05, max=20)
     ] = 1.0,
-    shading: Annotated[
-        float, _option("FACTOR", "Strength of the shading; 0: none.", min=0, max=5)
-    ] = 1.0,
-    depth_cue: Annotated[bool, _flag("Let far parts fade.", "--depth-cue/--no-depth-cue")] = True,
-    floor: Annotated[bool, _flag("Draw a floor, with a shadow.", "--floor/--no-floor")] = True,
     title: Annotated[str, _option("TEXT", "A title in pictures, on pages and in tables.")] = "",
     date: Annotated[bool, _flag("Write the date into pictures.")] = False,
     scale_bar: Annotated[bool, _flag("Draw a scale bar into pictures.")] = False,
@@ -106,6 +118,7 @@ def play_command(
     force: Annotated[bool, _flag("Overwrite an output that exists.")] = False,
     quiet: Annotated[bool, _flag("Say nothing but errors.", "--quiet", "-q")] = False,
     version: VersionOption = False,
+    **effects: Any,
 ) -> None:
     """Play a growth clip in a window, or export it as a film or pictures.
 
@@ -122,16 +135,7 @@ def play_command(
         raise PlayerError("--export and --info take one clip each; the window shows one or two.")
     if every is not None and seconds is not None:
         raise PlayerError("--every and --seconds each say how many frames; give one of them.")
-    style = Style(
-        color_by=color,
-        color_map=colormap,
-        field=field,
-        ground=ground or GroundChoice.DARK,
-        point_size=point_size,
-        depth_cue=depth_cue,
-        eye_dome=shading,
-        show_ground=floor,
-    )
+    style = Style(color, colormap, field, ground or GroundChoice.DARK, point_size, **effects)
     clip, turning, given = gclip.open(clips[0]), camera == TURNTABLE, _given(context)
     days = tuple(_parse_day(clip, text) for text in day or [])
     if export is not None:

@@ -1,12 +1,15 @@
 """GLSL sources of the renderer, for the window, exports and the web page.
 
 The sources are valid for OpenGL 3.3 (compute shaders: 4.3) and for WebGL 2, and contain no version.
-A source includes another one by ``#include "name.glsl"``; each is included at most once.
+A source includes another one by ``#include "name.glsl"``; each is included at most once. What
+``#include "effects.glsl"`` stands for is generated, and depends on the source.
 """
 
 import re
 from importlib.resources import files
 from pathlib import PurePosixPath
+
+from shaders.effects import effects_of
 
 # Constants that the code around the shaders shares with them; shaders have them as macros.
 NOTHING = 1e4  # relative depth of samples without a surface
@@ -14,7 +17,7 @@ CORE = 0.7  # up to this distance from its centre, in its radii, a splat occlude
 GREY = 0.07441, 0.25032, 0.02527  # of linear light: 35 % of its luminance (IEC 61966-2-1)
 
 _CONSTANTS = f"#define NOTHING {NOTHING}\n#define CORE {CORE}\n#define GREY vec3{GREY}\n"
-_INCLUDE = re.compile(r'^#include "([a-z_]+\.glsl)"\n', re.MULTILINE)
+_INCLUDE = re.compile(r'^#include "([a-z_/]+\.glsl)"\n', re.MULTILINE)
 _HEADERS = {
     ".vert": "#version 330 core\n",
     ".frag": "#version 330 core\n",
@@ -48,7 +51,8 @@ def with_header(text: str, suffix: str, **definitions: int | float | str) -> str
 
 def resolved(name: str) -> str:
     """Read a shader with constants and includes, without a version; web pages add WebGL's."""
-    return _CONSTANTS + with_includes(files(__name__).joinpath(name).read_text("utf-8"))
+    text = files(__name__).joinpath(name).read_text("utf-8")
+    return _CONSTANTS + with_includes(text.replace('#include "effects.glsl"\n', effects_of(name)))
 
 
 def with_includes(text: str) -> str:

@@ -1,39 +1,17 @@
-// Draws the background: a wall, and a floor with the plant's shadow.
+// Draws the background: a wall, and effects on it.
 #include "color.glsl"
 #include "depth.glsl"
 
 in vec2 v_at;
-uniform sampler2D transmittance;  // share of light that the plant lets through (blur.frag)
-uniform mat4 to_floor;      // from eye coordinates to the shadow's square and the height above it
-uniform float floor_share;  // opacity of the floor
-uniform vec3 top_color;     // of the wall at the top and the bottom, of lit and shadowed floor
+uniform vec3 top_color;     // of the wall at the top and the bottom
 uniform vec3 bottom_color;
-uniform vec3 floor_color;
-uniform vec3 shadow_color;
 out vec4 out_color;         // sRGB
 
-vec3 wall_color() {
-    vec2 offset = v_at - vec2(0.5, 0.55);
-    float glow = exp(-dot(offset, offset) * 2.2);
-    return mix(bottom_color, top_color, smoothstep(0.0, 1.0, v_at.y)) * mix(0.78, 1.12, glow);
-}
-
-vec3 floor_over(vec3 wall) {
-    vec2 lateral = (2.0 * v_at - 1.0) * half_extent;
-    vec3 eye = vec3(lateral, 10.0 * scene_radius) * (1.0 - perspective);  // parallel: from afar
-    vec3 start = (to_floor * vec4(eye, 1.0)).xyz;
-    vec3 ray = mat3(to_floor) * vec3(lateral * perspective, -1.0);
-    if (floor_share == 0.0 || start.z <= 0.0 || ray.z >= 0.0) {
-        return wall;
-    }
-    vec2 spot = (start - ray * (start.z / ray.z)).xy;
-    vec2 blocked = 1.0 - textureLod(transmittance, 0.5 * spot + 0.5, 0.0).rg;
-    blocked *= 1.0 - smoothstep(0.8, 1.0, max(abs(spot.x), abs(spot.y)));
-    float share = floor_share * smoothstep(0.0, 0.12, -normalize(ray).z);
-    vec3 lit = mix(wall, floor_color, exp(-1.3 * dot(spot, spot)) * share);
-    return mix(lit, shadow_color, clamp(0.80 * blocked.x + 0.62 * blocked.y, 0.0, 0.9) * share);
-}
+#include "effects.glsl"
 
 void main() {
-    out_color = vec4(linear_to_srgb(floor_over(wall_color())), 1.0);
+    vec2 offset = v_at - vec2(0.5, 0.55);
+    float glow = exp(-dot(offset, offset) * 2.2);
+    vec3 wall = mix(bottom_color, top_color, smoothstep(0.0, 1.0, v_at.y)) * mix(0.78, 1.12, glow);
+    out_color = vec4(linear_to_srgb(with_effects(wall)), 1.0);
 }

@@ -65,9 +65,9 @@ class Ground:
         self._passes.run(
             "ground",
             to_floor=self._to_square @ np.linalg.inv(splats.uniforms["view"]),
-            floor_share=float(style.show_ground),
             **splats.uniforms,
             **vars(GROUNDS[style.ground]),
+            **style.uniforms,
             **textures_of(self._shadows[0]),
         )
         return textures_of(self._background)

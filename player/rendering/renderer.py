@@ -106,7 +106,7 @@ class Renderer:
         if are_points or splats.edge == FACING_EDGE:
             smooth_depths(gbuffer, splats)
         shade(gbuffer, splats, style)
-        if style.show_ground and not transparent:
+        if style.floor and not transparent:
             self._ground.cast_shadow(ranges, self._closing.point_area(day))
         background = self._ground.draw(splats, style)
         target.viewport = (0, 0, *size)

@@ -5,8 +5,6 @@ from player.rendering.splats import SplatParams
 from player.view.style import GROUNDS, Style
 from traits.upright import upright_axes
 
-DEPTH_CUE = 0.45  # share of fog in the colour of the farthest parts
-
 
 def smooth_depths(gbuffer: GBuffer, splats: SplatParams) -> None:
     """Remove the scanner's noise from depths by a separable bilateral filter."""
@@ -27,7 +25,6 @@ def shade(gbuffer: GBuffer, splats: SplatParams, style: Style) -> None:
         **splats.uniforms,
         **textures_of(gbuffer.surface),
         **vars(GROUNDS[style.ground]),
-        eye_dome=style.eye_dome,
-        depth_cue=DEPTH_CUE * style.depth_cue,
+        **style.uniforms,
         up_dir=tuple(splats.uniforms["view"][:3, :3] @ upright_axes(splats.camera.up)[2]),
     )

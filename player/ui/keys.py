@@ -17,6 +17,7 @@ from player.ui import actions
 from player.view.choices import PICTURE_SIZES, Compare, Request
 from player.view.playback import AtEnd, Timeline
 from player.view.style import ColorMap
+from shaders.effects import EFFECTS, Effect
 
 if TYPE_CHECKING:
     from player.view.state import Scene
@@ -126,6 +127,14 @@ def _toggle(name: str, keys: str, help: str, field: str) -> Action:
     return Action(name, keys, help, lambda scene: scene.changed(field, not value(scene)), on=value)
 
 
+def _control(effect: Effect) -> Action | Choice:
+    """The control of an effect: a switch, or a choice of a strength."""
+    name, key, text, path = effect.name, effect.key, effect.text, f"style.{effect.name}"
+    if effect.is_switch:
+        return _toggle(name, key, text, path)
+    return Choice(name, key, text, effect.label, path, lambda s: effect.steps, "{:.0%}".format)
+
+
 TABLE: dict[str, tuple[Action | Choice, ...]] = {
     "Time": (
         Action("play", "space", "play, pause", lambda s: s.with_timeline(Timeline.toggled),
@@ -162,21 +171,18 @@ TABLE: dict[str, tuple[Action | Choice, ...]] = {
                lambda s: s.color_modes, attrgetter("label"),
                lambda s, mode: mode.quantity.why_unavailable(s.clip)),
         Choice("field", "shift+f", "colour by another field", "Field", "style.field",
-               lambda s: s.clip.fields or [""],
-               lambda name: name or "none in this clip"),
+               lambda s: s.clip.fields or [""], lambda name: name or "none in this clip"),
         Choice("colormap", "shift+m", "other colours of values", "Colour map", "style.color_map",
                lambda s: list(ColorMap)),
         *_pair("smaller|larger", "-|+ =", "smaller, larger points",
                lambda s, sign: actions.resize_points(s, SIZE_STEP**sign)),
         Choice("points", "p", "another size of points", "Points",
                "style.point_size", lambda s: (0.2, 0.5, 1.0, 2.0, 5.0), "{:.0%}".format),
-        Choice("shading", "m", "shading: none, soft, strong", "Shading", "style.eye_dome",
-               lambda s: (0.0, 1.0, 2.0), "{:.0%}".format),
+        *(_control(effect) for effect in EFFECTS if not effect.is_switch),
         Action("ground", "g", "light background",
                lambda s: s.with_style(ground="dark" if s.style.ground == "light" else "light"),
                on=lambda s: s.style.ground == "light"),
-        _toggle("floor", "b", "floor and shadow", "style.show_ground"),
-        _toggle("depth", "d", "depth cue", "style.depth_cue"),
+        *(_control(effect) for effect in EFFECTS if effect.is_switch),
         _toggle("guides", "a", "scale bar and axes", "guides"),
         _toggle("legend", "y", "legend", "legend"),
     ),
@@ -237,7 +243,7 @@ def sections() -> dict[str, dict[str, list[str]]]:
     table = {}
     for section, entries in TABLE.items():
         rows = {text: [*labels] for text, labels in MOUSE.get(section, {}).items()}
-        for action in entries:
+        for action in filter(attrgetter("keys"), entries):
             rows.setdefault(action.help, []).extend(action.labels)
         table[section] = rows
     return table

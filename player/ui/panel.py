@@ -67,7 +67,7 @@ def _draw_controls(scene: Scene, section: str) -> Scene:
             tip(action.name)
             imgui.table_next_column()
             imgui.align_text_to_frame_padding()
-            imgui.text_disabled(action.labels[0])
+            imgui.text_disabled("".join(action.labels[:1]))
     return scene
 
 

@@ -25,8 +25,9 @@ EDGE = 8.0  # smallest distance of cards from the window's edge, in units
 def tip(name: str) -> None:
     """Set the tooltip of the last control: what an action does, and its keys."""
     action = keys.ACTIONS[name]
+    labels = f"  ({', '.join(action.labels)})" if action.keys else ""
     with imgui_ctx.push_style_var(imgui.StyleVar_.window_padding, (10.0, 6.0)):
-        imgui.set_item_tooltip(f"{action.help}  ({', '.join(action.labels)})")
+        imgui.set_item_tooltip(action.help + labels)
 
 
 def button(scene: Scene, name: str, label: str, size: tuple[float, float]) -> Scene:

@@ -5,12 +5,14 @@ from enum import StrEnum
 from typing import TYPE_CHECKING
 
 from player.view.color_modes import ColorMode
+from shaders.effects import EFFECTS, Effects
 
 if TYPE_CHECKING:
     from gclip import Clip
 
 LinearColor = tuple[float, float, float]  # red, green and blue in linear light
-LOOK = "color colormap field ground point_size shading depth_cue floor"  # options for a `Style`
+# Names of the options for a `Style`.
+LOOK = " ".join(["color colormap field ground point_size", *(effect.name for effect in EFFECTS)])
 
 
 class ColorMap(StrEnum):
@@ -33,17 +35,14 @@ class GroundChoice(StrEnum):
 
 
 @dataclass(frozen=True)
-class Style:
-    """The look of a picture, independent of camera and time."""
+class Style(Effects):
+    """The look of a picture with its effects, independent of camera and time."""
 
     color_by: ColorMode = ColorMode.AUTO
     color_map: ColorMap = ColorMap.AUTO
     field: str = ""  #: name of the field for `ColorMode.FIELD`; by default the clip's first field
     ground: str = GroundChoice.DARK
     point_size: float = 1.0  #: factor on the size of points at which they close the surface
-    depth_cue: bool = True  #: whether distant parts fade into the background
-    eye_dome: float = 1.0  #: strength of eye-dome lighting (Boucheny 2009), 0 for none
-    show_ground: bool = True  #: whether floor and shadow are drawn
     picked: int | None = None  #: track that is highlighted; all others are dimmed
     second: int | None = None  #: another track that is highlighted
     hidden: frozenset[int] = frozenset()  #: tracks that are not drawn

@@ -183,8 +183,8 @@ GOLDEN = tuple(
         ("splats", _drawn("tomato", 5.0, COARSE)),
         ("points", *(_drawn("tomato", 4.0, FINE, compute=way) for way in (False, True))),
         ("few", _drawn("tomato", 6.0, FINE, stride=40)),  # each single mover counts
-        ("unshaded", _still("tree", 22.0, Style(eye_dome=0.0, depth_cue=False, show_ground=False))),
-        ("shaded", _still("tree", 22.0, Style(eye_dome=2.0))),
+        ("unshaded", _still("tree", 22.0, Style(shading=0.0, depth_cue=False, floor=False))),
+        ("shaded", _still("tree", 22.0, Style(shading=2.0))),
         ("light", _still("tree", 28.0, Style(ground="light"), annotations=DATE_AND_SCALE)),
         ("tracks", _still("maize", 9.0, TRACK, title="Maize", annotations=LEGEND)),
         ("age", _still("maize", 9.0, Style(color_by="age"), annotations=LEGEND)),

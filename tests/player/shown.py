@@ -42,7 +42,7 @@ def tell(scene):
         "ground": s.ground, "point_size": s.point_size, "color_by": scene.color_mode,
         "picked": s.picked, "second": s.second,
         "hidden": sorted(s.hidden), "alone": s.isolated,
-        "floor": s.show_ground, "compare": scene.compare.value, "wipe": scene.wipe,
+        "floor": s.floor, "compare": scene.compare.value, "wipe": scene.wipe,
         "keys": len(scene.path.keys), "following": scene.following, "turning": scene.turning,
         "panel": scene.panel, "help": scene.help, "notice": scene.notice,
         "fullscreen": scene.fullscreen, "output": scene.output.example,

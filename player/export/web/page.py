@@ -22,7 +22,6 @@ from player.rendering import ground
 from player.rendering.point_cloud import PALETTE_WIDTH
 from player.rendering.points import MAX_RADIUS_PX
 from player.rendering.renderer import MIN_POINT_PX, SPLAT_RADIUS, scene_radius, splat_edge
-from player.rendering.shading import DEPTH_CUE
 from player.rendering.splat_radius import ClosingDistances
 from player.view.camera import FITTED_SHARE, Camera, sampled_positions
 from player.view.colors import DIMMED_SHARE, Colors, format_number
@@ -129,10 +128,8 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
             "lift": 0.0,
             "scene_radius": scene_radius(clip),
             "perspective": 1.0,
-            "eye_dome": film.style.eye_dome,
-            "depth_cue": DEPTH_CUE * film.style.depth_cue,
-            "floor_share": float(film.style.show_ground),
             "transparent": False,
+            **film.style.uniforms,
         },
         "shadow": {
             "side": ground.SHADOW_SIZE,

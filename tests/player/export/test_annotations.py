@@ -83,7 +83,7 @@ def test_a_long_legend_is_cut_and_says_so(clip: Clip, tmp_path: Path) -> None:
 
 
 def test_a_transparent_picture_over_the_ground_is_the_picture(clip: Clip, tmp_path: Path) -> None:
-    bare, no_organ = Style(show_ground=False), frozenset(range(len(clip.track_table)))
+    bare, no_organ = Style(floor=False), frozenset(range(len(clip.track_table)))
     plain = still(clip, tmp_path, style=bare)
     ground = still(clip, tmp_path, style=replace(bare, hidden=no_organ))
     cut = still(clip, tmp_path, transparent=True)

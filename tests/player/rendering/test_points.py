@@ -83,7 +83,7 @@ def test_the_context_decides_what_draws(compute_context: moderngl.Context) -> No
 
 def test_dots_look_like_splats(context: moderngl.Context, monkeypatch: pytest.MonkeyPatch) -> None:
     """Where both can be had, changing from one to the other is hardly seen."""
-    clip, style = dense_clip(), Style(show_ground=False)
+    clip, style = dense_clip(), Style(floor=False)
     dots = picture(context, clip, style)
     monkeypatch.setattr(player.rendering.renderer, "MAX_RADIUS_PX", 0.0)
     splats = picture(context, clip, style)
@@ -98,7 +98,7 @@ def test_dots_look_like_splats(context: moderngl.Context, monkeypatch: pytest.Mo
 def test_fewer_movers_show_the_same_plant(
     compute_context: moderngl.Context, compute: bool, stride: int
 ) -> None:
-    clip, style = dense_clip(), Style(show_ground=False)
+    clip, style = dense_clip(), Style(floor=False)
     whole = picture(compute_context, clip, style, compute=compute)
     some = picture(compute_context, clip, style, compute=compute, stride=stride)
     assert (some != whole).any()
@@ -120,7 +120,7 @@ def test_samples_around_a_point_are_sorted_by_distance() -> None:
 def test_samples_that_no_splat_reaches_are_left_out(
     context: moderngl.Context, monkeypatch: pytest.MonkeyPatch, point_size: float, zoom: float
 ) -> None:
-    clip, style = dense_clip(), Style(point_size=point_size, show_ground=False)
+    clip, style = dense_clip(), Style(point_size=point_size, floor=False)
     camera, run, reached = camera_at(clip, SIZE, -80, 0.1).zoom(zoom), GBuffer.run, []
 
     def with_all_samples(self: GBuffer, name: str, *arguments: Any, **values: Any) -> None:

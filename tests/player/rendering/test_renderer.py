@@ -24,7 +24,7 @@ from tests.player.drawn import camera_at, read_pixels
 from tests.player.positions import gpu_positions
 
 SIZE = (160, 120)
-PLAIN = Style(show_ground=False)
+PLAIN = Style(floor=False)
 LOST_AT = 100  # the column right of which nothing is but what the last scan lacks
 DAYS = [0.0, 0.1, 1.0, 1.7, 2.0, 2.2, 2.449, 3.3, 4.99, 5.0]
 
@@ -147,8 +147,8 @@ def test_what_is_lost_fades_and_never_pops(
 def test_light_ground_is_light_and_dark_is_dark(make_clip) -> None:
     with drawing(make_clip()) as draw:
         for floor in (True, False):
-            assert draw(0.0, Style(ground="light", show_ground=floor))[2, 2].min() > 180
-            assert draw(0.0, Style(ground="dark", show_ground=floor))[2, 2].max() < 60
+            assert draw(0.0, Style(ground="light", floor=floor))[2, 2].min() > 180
+            assert draw(0.0, Style(ground="dark", floor=floor))[2, 2].max() < 60
 
 
 def test_point_size_and_supersampling(make_clip) -> None:

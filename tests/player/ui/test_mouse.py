@@ -183,7 +183,7 @@ def test_every_control_does_its_action(context: moderngl.Context, panel: bool) -
     desk.release()
 
 
-@pytest.mark.parametrize(("action", "value"), [("points", "point_size"), ("shading", "eye_dome")])
+@pytest.mark.parametrize(("action", "value"), [("points", "point_size"), ("shading", "shading")])
 def test_sliders_go_from_end_to_end(desk: Desk, action: str, value: str) -> None:
     desk.scene = replace(desk.scene, panel=True)
     desk.draw(3)

@@ -15,7 +15,7 @@ from player.view.style import ColorMode, Style
 from tests.player.conftest import ClipMaker
 
 SIZE = (120, 90)
-PLAIN = Style(depth_cue=False, show_ground=False, eye_dome=0.0)
+PLAIN = Style(depth_cue=False, floor=False, shading=0.0)
 
 
 def drawn(
@@ -79,7 +79,7 @@ def test_hidden_organs_are_not_drawn(
     context: moderngl.Context, make_clip: ClipMaker, compute: bool, point_size: float
 ) -> None:
     clip = make_clip()
-    style = replace(PLAIN, point_size=point_size, show_ground=True)
+    style = replace(PLAIN, point_size=point_size, floor=True)
     both = drawn(context, clip, 1.0, style, compute)
     nothing = drawn(context, clip, 1.0, replace(style, hidden=frozenset((0, 1))), compute)
     left = drawn(context, clip, 1.0, replace(style, hidden=frozenset((1,))), compute)
