@@ -13,10 +13,15 @@ from shaders.effects import effects_of
 
 # Constants that the code around the shaders shares with them; shaders have them as macros.
 NOTHING = 1e4  # relative depth of samples without a surface
+MAX_TRACKS = 1024  # that a point's code tells apart (nearest_point.glsl)
 CORE = 0.7  # up to this distance from its centre, in its radii, a splat occludes what lies behind
 GREY = 0.07441, 0.25032, 0.02527  # of linear light: 35 % of its luminance (IEC 61966-2-1)
 
-_CONSTANTS = f"#define NOTHING {NOTHING}\n#define CORE {CORE}\n#define GREY vec3{GREY}\n"
+_CONSTANTS = f"""#define NOTHING {NOTHING}
+#define MAX_TRACKS {MAX_TRACKS}u
+#define CORE {CORE}
+#define GREY vec3{GREY}
+"""
 _INCLUDE = re.compile(r'^#include "([a-z_/]+\.glsl)"\n', re.MULTILINE)
 _HEADERS = {
     ".vert": "#version 330 core\n",

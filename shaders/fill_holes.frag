@@ -27,7 +27,7 @@ uint code_at(ivec2 texel) {
 
 vec3 color_of(uint code, ivec2 texel) {
 #if COLOR_FROM_TRACK
-    return texelFetch(palette, ivec2(code & 1023u, 0), 0).rgb;
+    return texelFetch(palette, ivec2(code % MAX_TRACKS, 0), 0).rgb;
 #else
     return unpacked_rgb(texelFetch(picked, clamp(texel, ivec2(0), samples - 1), 0).r);
 #endif

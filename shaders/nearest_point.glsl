@@ -16,11 +16,11 @@ bool place_point(vec3 position, uint track, out ivec2 texel, out uint code) {
     vec4 placed = to_samples * vec4(position, 1.0);
     vec2 at = placed.xy / max(placed.w, 1e-6);
     texel = ivec2(at);
-    code = (uint(int(placed.z * DEPTH_STEPS + 0.5)) << 10) | (track & 1023u);
+    code = uint(int(placed.z * DEPTH_STEPS + 0.5)) * MAX_TRACKS + track % MAX_TRACKS;
     return placed.z >= 0.0 && placed.z <= 1.0
         && all(greaterThanEqual(at, vec2(0.0))) && all(lessThan(at, vec2(samples)));
 }
 
 float depth_of(uint code) {
-    return mix(depth_range.x, depth_range.y, float(code >> 10) / DEPTH_STEPS);
+    return mix(depth_range.x, depth_range.y, float(code / MAX_TRACKS) / DEPTH_STEPS);
 }

@@ -16,9 +16,9 @@ from player.gl.timers import PassTimers
 from player.rendering.point_buffers import ChunkBuffers, DrawRange, PointBuffers
 from player.view.colors import RAMP_SIZE, Colors
 from player.view.style import ColorMode, Style
+from shaders import MAX_TRACKS
 
 PALETTE_WIDTH = 1024  # texels in a row of the palette
-MAX_TRACKS = 1024  # number of tracks that ten bits of a point's code tell apart
 WORKGROUP = 256  # invocations in a workgroup of a compute shader
 POINTS_PER_INVOCATION = 8
 

@@ -1,6 +1,5 @@
 // The clip: which movers are visible at a time (docs/format.md), and decompression of their data.
 
-const LITTER_FADE = 0.15;  // share of the following interval during which fallen organs fade
 const PIECE = 1 << 19;  // characters decoded at once, a multiple of 4
 
 class Clip {
@@ -26,7 +25,7 @@ class Clip {
         }));
         const litter = (this.intervals[interval - 1]?.groups || []).map((group) => ({
             interval: interval - 1, group, blend: 1, parameter: 1,
-            alpha: group.motion === "fall" ? 1 - share / LITTER_FADE : 0,
+            alpha: group.motion === "fall" ? 1 - share / this.litterFade : 0,
         }));
         return [...layers, ...litter].filter(({ alpha }) => alpha > 0);
     }

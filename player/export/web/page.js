@@ -14,7 +14,7 @@ const byId = (id) => document.getElementById(id);
 function start(about, shaders) {
     const clip = new Clip(about), canvas = byId("picture");
     const renderer = new Renderer(canvas, clip, shaders);
-    const clock = new Clock(clip.times), camera = new Camera(clip.home, clip.axes);
+    const clock = new Clock(clip.times, clip.clock), camera = new Camera(clip.home, clip.axes);
     const look = { ...clip.look, byTrack: clip.look.byTrack || !clip.colored, selected: -1, trait: clip.plotted[0] };
     const state = { dirty: true, moved: 0, turning: clip.look.turning, fitted: true, level: 0, trend: 0 };
     const move = () => { state.fitted = false; state.moved = performance.now(); };

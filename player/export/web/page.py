@@ -5,7 +5,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from functools import partial
 from html import escape
-from importlib.resources import files
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,7 @@ import numpy as np
 
 import shaders
 from gclip import Clip
-from gclip.evaluate import newborn, srgb_to_linear
+from gclip.evaluate import LITTER_FADE, newborn, srgb_to_linear
 from player.errors import PlayerError
 from player.export.film import Film, Progress
 from player.export.web.encode import pack
@@ -23,14 +22,14 @@ from player.rendering.point_cloud import PALETTE_WIDTH
 from player.rendering.points import MAX_RADIUS_PX
 from player.rendering.renderer import MIN_POINT_PX, SPLAT_RADIUS, scene_radius, splat_edge
 from player.rendering.splat_radius import ClosingDistances
-from player.view.camera import FITTED_SHARE, Camera, sampled_positions
+from player.view.camera import FITTED_SHARE, MAX_PITCH, Camera, sampled_positions
 from player.view.colors import DIMMED_SHARE, Colors, format_number
+from player.view.playback import END_PAUSE, Timeline
 from player.view.style import GROUNDS, ColorMode
 from traits.curves import curve_names, curve_svg, trait_curves
 from traits.dates import date_at, elapsed, short_dates
 from traits.upright import upright_axes
 
-SCRIPTS = ("gl.js", "clip.js", "view.js", "renderer.js", "page.js")
 SHADERS = (
     *("splat.vert", "splat_depth.frag", "splat_sum.frag", "shadow.vert", "shadow.frag"),
     *("fullscreen.vert", "splat_resolve.frag", "bilateral.frag", "shade.frag", "blur.frag"),
@@ -85,6 +84,7 @@ def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
+        keep_trailing_newline=True,
     )
     environment.filters["css"] = _css
     environment.policies["json.dumps_kwargs"] = {"separators": (",", ":"), "allow_nan": False}
@@ -98,8 +98,6 @@ def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
         crowded=min(after - before for before, after in pairwise(positions)) < MIN_DATE_DISTANCE,
         organs=clip.track_table[:MAX_ORGANS],
         date=partial(date_at, clip.scans),
-        style=_read("page.css"),
-        script="\n".join(_read(name) for name in SCRIPTS),
         about=_about(clip, film, [layout for _, layout in packed]),
         shaders={name: shaders.resolved(name) for name in SHADERS},
         intervals=(base64.b64encode(data).decode("ascii") for data, _ in packed),
@@ -119,6 +117,8 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
         "tracks": srgb_to_linear(clip.palette[:, :3] / 255.0).round(5).tolist(),
         "newborn": [[*newborn(clip, k).items()] for k in range(len(clip.intervals))],
         "intervals": layouts,
+        "litterFade": LITTER_FADE,
+        "clock": {"speed": Timeline.of(clip.times).days_per_second, "pause": END_PAUSE},
         "palette": {"width": PALETTE_WIDTH, "grey": shaders.GREY, "dimmed": DIMMED_SHARE},
         "nothing": shaders.NOTHING,
         "coverage": [closing.at(time) for time in clip.times],
@@ -139,7 +139,7 @@ def _about(clip: Clip, film: Film, layouts: list[dict[str, Any]]) -> dict[str, A
             "toSquare": to_square.T.ravel().tolist(),
         },
         "groundSize": ground.BACKGROUND_SIZE,
-        "home": asdict(home) | {"aspect": _narrowest(clip, home)},
+        "home": asdict(home) | {"aspect": _narrowest(clip, home), "max_pitch": MAX_PITCH},
         "plotted": curve_names(clip),
         "curves": _curves(clip),
         "axes": upright_axes(clip.up).tolist(),
@@ -181,7 +181,3 @@ def _curves(clip: Clip) -> dict[str, tuple[str, str]]:
 
 def _css(color: Sequence[int]) -> str:
     return "rgb({},{},{})".format(*color)
-
-
-def _read(name: str) -> str:
-    return (files("player.export") / "web" / name).read_text("utf-8")

@@ -1,13 +1,11 @@
 // An orbit camera, which keeps the plant's up axis vertical, and the playback clock.
 
-const MAX_PITCH = (89 * Math.PI) / 180;
-const END_PAUSE = 0.8;  // seconds for which the clock stops at the end before it starts over
-
 const clamped = (value, low, high) => Math.min(Math.max(value, low), high);
 
 class Camera {
-    // home: { target, distance, yaw, pitch, field_of_view, radius, aspect }, angles in radians, aspect
-    // of the narrowest picture that the plant fits in; axes: two horizontal and the upward one.
+    // home: { target, distance, yaw, pitch, max_pitch, field_of_view, radius, aspect }, angles in
+    // radians, aspect of the narrowest picture that the plant fits in; axes: two horizontal and the
+    // upward one.
     constructor(home, axes) {
         Object.assign(this, home, { home, axes });
     }
@@ -29,7 +27,7 @@ class Camera {
 
     orbit(yaw, pitch) {
         this.yaw += yaw;
-        this.pitch = clamped(this.pitch + pitch, -MAX_PITCH, MAX_PITCH);
+        this.pitch = clamped(this.pitch + pitch, -this.max_pitch, this.max_pitch);
     }
 
     // Shift the picture right and up by shares of its height, at the target's depth.
@@ -61,8 +59,9 @@ class Camera {
 
 // The playback clock; times are in the clip's unit.
 class Clock {
-    constructor(times) {
-        this.times = times;
+    // speed: of playback in a second; pause: seconds at the end before it starts over.
+    constructor(times, { speed, pause }) {
+        Object.assign(this, { times, speed, pause });
         this.first = this.position = times[0];  // exceeds the last day during the pause at the end
         this.last = times.at(-1);
         this.playing = false;
@@ -73,10 +72,8 @@ class Clock {
     }
 
     tick(seconds) {
-        const duration = clamped(2 * (this.times.length - 1), 4, 24);  // seconds
-        const speed = (this.last - this.first) / duration;
-        this.position += seconds * speed;
-        if (this.position > this.last + END_PAUSE * speed) this.position = this.first;
+        this.position += seconds * this.speed;
+        if (this.position > this.last + this.pause * this.speed) this.position = this.first;
     }
 
     toggle() {
