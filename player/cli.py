@@ -3,7 +3,7 @@
 import re
 from collections.abc import Callable
 from functools import partial
-from inspect import Parameter, signature
+from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -65,14 +65,13 @@ def _flag(help: str, *names: str) -> Any:
 
 def _with_effects(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command an option for each effect, instead of ``**effects``."""
-    declared = signature(command)
-    *options, _ = declared.parameters.values()
+    *options, _ = signature(command).parameters.values()
     for one in EFFECTS:
         declare = _flag if one.is_switch else partial(_option, "FACTOR", min=0, max=one.limit)
         option: Any = Annotated[type(one.default), declare(one.help)]
         kind = Parameter.KEYWORD_ONLY
         options.append(Parameter(one.name, kind, default=one.default, annotation=option))
-    command.__signature__ = declared.replace(parameters=options)  # type: ignore[attr-defined]
+    command.__signature__ = Signature(options)  # type: ignore[attr-defined]
     return command
 
 

@@ -30,6 +30,10 @@ function start(about, shaders) {
         state.fitted = true;
     }
 
+    // Show or hide one of the cards, and hide the others.
+    const show = (id) => ["organs", "effects", "help"].map(byId).forEach((card) => {
+        card.hidden = card.id !== id || !card.hidden;
+    });
     const actions = {
         play: () => clock.toggle(),
         step: (direction) => clock.step(direction),
@@ -38,7 +42,8 @@ function start(about, shaders) {
         turn: () => { state.turning = !state.turning; },
         color: () => { look.byTrack = !clip.colored || !look.byTrack; },
         ground: () => { look.light = !look.light; },
-        organs: () => byId("organs").toggleAttribute("hidden"),
+        organs: () => show("organs"),
+        effects: () => show("effects"),
         choose: (track) => { look.selected = look.selected === track ? -1 : track; },
         trait: () => {
             look.trait = clip.plotted[(clip.plotted.indexOf(look.trait) + 1) % clip.plotted.length];
@@ -46,8 +51,8 @@ function start(about, shaders) {
         go: (day) => clock.go(day),
         fullscreen: () => (document.fullscreenElement
             ? document.exitFullscreen() : document.documentElement.requestFullscreen()),
-        help: () => byId("help").toggleAttribute("hidden"),
-        leave: () => { byId("help").hidden = true; byId("organs").hidden = true; },
+        help: () => show("help"),
+        leave: () => show(),
     };
     const act = (name, value) => {
         actions[name](value);
@@ -133,6 +138,10 @@ function start(about, shaders) {
         const tolerance = (SNAP_PX * (clock.last - clock.first)) / time.clientWidth;
         act("go", clip.times.find((scan) => Math.abs(scan - time.value) < tolerance) ?? Number(time.value));
     });
+    byId("effects").addEventListener("input", ({ target: { name, type, checked, valueAsNumber } }) => {
+        clip.uniforms[name] = type === "checkbox" ? Number(checked) : valueAsNumber;
+        state.dirty = true;
+    });
     listen(canvas, camera, act, move);
     new ResizeObserver(() => act(state.fitted ? "fit" : "go", clock.day)).observe(canvas);
     canvas.addEventListener("webglcontextlost", () => location.reload());
@@ -156,8 +165,8 @@ function start(about, shaders) {
 }
 
 const KEYS = {
-    " ": ["play"], f: ["fit"], t: ["turn"], c: ["color"], g: ["ground"], o: ["organs"], l: ["trait"],
-    h: ["help"], "?": ["help"], Escape: ["leave"], Home: ["go", -Infinity], End: ["go", Infinity],
+    " ": ["play"], f: ["fit"], t: ["turn"], c: ["color"], g: ["ground"], o: ["organs"], e: ["effects"],
+    l: ["trait"], h: ["help"], "?": ["help"], Escape: ["leave"], Home: ["go", -Infinity], End: ["go", Infinity],
     ArrowLeft: ["nudge", -0.01], ArrowRight: ["nudge", 0.01], PageUp: ["step", -1], PageDown: ["step", 1],
 };
 
@@ -199,6 +208,7 @@ function listen(canvas, camera, act, move) {
         const page = event.shiftKey && { ArrowLeft: "PageUp", ArrowRight: "PageDown" }[event.key];
         const action = KEYS[page || event.key] || KEYS[event.key.toLowerCase()];
         if (!action || (event.key === " " && event.target.tagName === "BUTTON")) return;
+        if (action[0] !== "leave" && event.target.closest("#effects")) return;
         event.preventDefault();
         act(...action);
     });

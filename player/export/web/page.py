@@ -26,6 +26,7 @@ from player.view.camera import FITTED_SHARE, MAX_PITCH, Camera, sampled_position
 from player.view.colors import DIMMED_SHARE, Colors, format_number
 from player.view.playback import END_PAUSE, Timeline
 from player.view.style import GROUNDS, ColorMode
+from shaders.effects import EFFECTS
 from traits.curves import curve_names, curve_svg, trait_curves
 from traits.dates import date_at, elapsed, short_dates
 from traits.upright import upright_axes
@@ -97,6 +98,7 @@ def _page(clip: Clip, film: Film, progress: Progress) -> Iterator[str]:
         marks=zip(positions, short_dates([scan.date for scan in clip.scans]), strict=True),
         crowded=min(after - before for before, after in pairwise(positions)) < MIN_DATE_DISTANCE,
         organs=clip.track_table[:MAX_ORGANS],
+        effects=EFFECTS,
         date=partial(date_at, clip.scans),
         about=_about(clip, film, [layout for _, layout in packed]),
         shaders={name: shaders.resolved(name) for name in SHADERS},

@@ -3,9 +3,8 @@
 const clamped = (value, low, high) => Math.min(Math.max(value, low), high);
 
 class Camera {
-    // home: { target, distance, yaw, pitch, max_pitch, field_of_view, radius, aspect }, angles in
-    // radians, aspect of the narrowest picture that the plant fits in; axes: two horizontal and the
-    // upward one.
+    // home: { target, distance, yaw, pitch, max_pitch, field_of_view, radius, aspect }, angles in radians,
+    // aspect of the narrowest picture that the plant fits in; axes: two horizontal and the upward one.
     constructor(home, axes) {
         Object.assign(this, home, { home, axes });
     }
