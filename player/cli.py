@@ -18,7 +18,7 @@ from gclip.text import printable
 from player.errors import PlayerError
 from player.info import info_lines
 from player.ui.keys import help_text
-from player.view.style import LOOK, ColorMap, ColorMode, GroundChoice, Style
+from player.view.style import STYLE_OPTIONS, ColorMap, ColorMode, GroundChoice, Style
 from shaders.effects import EFFECTS
 from traits.dates import day_of
 
@@ -36,7 +36,7 @@ MAX_INFO_LINE = 2000  # characters of a line of --info
 MIN_SIDE, MAX_SIDE = 16, 16384  # pixels; OpenGL 4.1 guarantees textures of this size
 
 PANELS = {
-    "View": f"size camera {LOOK}",
+    "View": f"size camera {STYLE_OPTIONS}",
     "Export": "export force list_exports fps seconds every day title date scale_bar legend "
     "transparent",
     "Window": "profile",

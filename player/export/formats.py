@@ -14,12 +14,12 @@ from player.export.film import Film, Progress
 from player.export.web import page
 from player.output_names import check_sequence, is_numbered
 from player.view.colors import Colors
-from player.view.style import LOOK, ColorMode, Style
+from player.view.style import STYLE_OPTIONS, ColorMode, Style
 
 MAX_FRAMES = 200_000  # larger numbers are most likely typing errors
 
 # Options of `play` that have an effect on what a format holds,
-VIEW = f"{LOOK} size camera title"
+VIEW = f"{STYLE_OPTIONS} size camera title"
 OPTIONS = {
     "picture": f"{VIEW} date scale_bar legend transparent",
     "page": VIEW,

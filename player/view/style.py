@@ -11,8 +11,7 @@ if TYPE_CHECKING:
     from gclip import Clip
 
 LinearColor = tuple[float, float, float]  # red, green and blue in linear light
-# Names of the options for a `Style`.
-LOOK = " ".join(["color colormap field ground point_size", *(effect.name for effect in EFFECTS)])
+STYLE_OPTIONS = " ".join(["color colormap field ground point_size", *(e.name for e in EFFECTS)])
 
 
 class ColorMap(StrEnum):

@@ -18,8 +18,8 @@ class Effect:
 
     name: str  #: also of the option of `play`, and of the field of a `Style`
     default: Any  #: strength as a float, or whether the effect is on
-    text: str  #: describes the effect in the window and on pages
-    help: str  #: describes the option
+    text: str  #: describes the effect in the window
+    help: str  #: describes the option, and the control of pages
     key: str = ""  #: selects the next strength in the window
     steps: tuple[float, ...] = (0.0, 1.0)  #: strengths for the key, from the slider's first to last
     limit: float = 1  #: largest strength that the option accepts
