@@ -16,7 +16,7 @@ from player.view.state import Scene
 
 WIDTH = 272.0  # units of 1/96 inch, as all lengths
 NOTE_SIZE = 13.5  # font size of notes
-LABEL_WIDTH, VALUE_WIDTH = 68.0, 46.0  # left of lists and sliders, and right of sliders
+LABEL_WIDTH, VALUE_WIDTH = 84.0, 46.0  # left of lists and sliders, and right of sliders
 DOT, VISIBLE, HIDDEN, REMOVE = "\uf111", "\uf06e", "\uf070", "\uf00d"  # icons
 PICKING_HINT = "Click an organ; then click a second one with Shift held, on any day."
 
