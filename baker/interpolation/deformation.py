@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.rigid import rotations_between
 from baker.geometry.sampling import farthest_point_sample
+from baker.interpolation.roll import Sections, spine_rotations
 from baker.interpolation.spine import NODE_POSITIONS, Points, Spine, interpolate_nodes, unit
 
 # docs/method.md, "Motion of organs".
@@ -35,8 +35,9 @@ def spine_deformation(
 ) -> Points:
     """Move the (n, 3) points of an organ from one spine to the other, with their offsets from it.
 
-    The order of points, and of landmarks near the spine, is kept along it. The offsets are rotated
-    by the smallest rotation between the tangents, and scaled like the radius of the (m, 3) target.
+    The order of points, and of landmarks near the spine, is kept along it. The offsets are scaled
+    like the radius of the (m, 3) target, and rotated by `spine_rotations`; an organ that others
+    grow on, such as a stem, does not roll about its spine.
     """
     offsets = source - interpolate_nodes(before.nodes, before.along)
     target_offsets = target - interpolate_nodes(after.nodes, after.along)
@@ -45,9 +46,13 @@ def spine_deformation(
     is_near = [d[k] <= MAX_OFFSET * np.median(d) for d, k in zip(distances, landmarks, strict=True)]
     i, j = (side[is_near[0] & is_near[1]] for side in landmarks)
     knots = _landmark_levels(before.along[i], after.along[j])
-    tangents = unit(interpolate_nodes(after.tangents, np.interp(NODE_POSITIONS, *knots)))
+    levels = np.interp(NODE_POSITIONS, *knots)
     centers = interpolate_nodes(after.nodes, np.interp(before.along, *knots))
-    rotations = interpolate_nodes(rotations_between(before.tangents, tangents), before.along)
+    sections = Sections(before.tangents, NODE_POSITIONS, offsets, before.along)
+    tangents = unit(interpolate_nodes(after.tangents, levels))
+    target_sections = Sections(tangents, levels, target_offsets, after.along)
+    rotations = spine_rotations(sections, target_sections, has_roll=not len(landmarks[0]))
+    rotations = interpolate_nodes(rotations, before.along)
     radii = [np.sqrt((distance**2).mean()) for distance in distances]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
     return centers + width * np.einsum("nij,nj->ni", rotations, offsets)

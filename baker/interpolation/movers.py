@@ -14,7 +14,6 @@ from baker.geometry.up_axis import Vertical
 from baker.interpolation.organ_motion import OrganMotion
 from baker.interpolation.packing import Movers, elevate_degree
 from baker.interpolation.resampling import Floats, Indices, with_even_density
-from baker.interpolation.spine import interpolate_nodes
 from baker.segmentation.hierarchy import NO_PARENT, Hierarchy
 from baker.transport.correspondences import Correspondences
 from baker.transport.tasks import Task
@@ -141,5 +140,5 @@ def child_deviations(
         sample = members[:: max(1, len(members) // POINTS_COMPARED)]
         distances, nearest = tree.query(end.take(sample, axis=0))
         attached_to[scan.organs[child]] = int(nearest[np.argmin(distances)])
-    shifts = interpolate_nodes(motion.deviations, motion.along[[*attached_to.values()]])
+    shifts = motion.deviations[[*attached_to.values()]]
     return dict(zip(attached_to, shifts, strict=True))

@@ -1,4 +1,4 @@
-"""The motion of one organ in an interval: its deformation, and its spine at mid-interval."""
+"""The motion of one organ in an interval: its deformation, and its shape at mid-interval."""
 
 from dataclasses import dataclass, replace
 
@@ -8,7 +8,15 @@ from numpy.typing import NDArray
 from baker.geometry.neighbors import interpolate
 from baker.interpolation.deformation import register_nonrigid, spine_deformation
 from baker.interpolation.organ_shapes import OrganShape
-from baker.interpolation.spine import Points, fit_spine, interpolate_nodes, unit
+from baker.interpolation.spine import (
+    NODE_POSITIONS,
+    Floats,
+    Points,
+    fit_spine,
+    interpolate_nodes,
+    section_weights,
+    unit,
+)
 
 # Range of the unevenness of a deformation. Below it, an organ turns evenly in time; above it, it
 # turns as it grows (docs/method.md, "Motion of organs").
@@ -18,17 +26,17 @@ FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # to which the stretch
 MAX_LOG_STRETCH = 2.0  # to which outliers are clipped
 POINTS_COMPARED = 100  # number of points of an organ at which the stretch is measured
 NEIGHBORS = 4  # number of points of the sample from which other points are interpolated
+MAX_WIDENING = 2.0  # greatest factor on cross-sections at mid-interval
 MIN_COSINE = -0.9  # between the directions of a piece of the spine in both scans
 
 
 @dataclass(frozen=True)
 class OrganMotion:
-    """The motion of a sample of an organ's points, and of its spine."""
+    """The motion of a sample of an organ's points."""
 
     sample: Points  # (n, 3) points in the first scan
-    along: NDArray[np.float64]  # (n,) their positions along the spine, 0 to 1
     deformed: Points  # (n, 3) their positions in the second scan
-    deviations: Points  # (NODES, 3) of the spine's nodes from their chords, at mid-interval
+    deviations: Points  # (n, 3) from the middles of their chords, at mid-interval
     is_reversed: bool = False  # whether the second scan was deformed onto the first
 
     def registered(
@@ -42,8 +50,7 @@ class OrganMotion:
 
     def deviation(self, points: NDArray[np.floating]) -> Points:
         """(n, 3) deviation at mid-interval, from their chords, of movers that start at points."""
-        along = interpolate(points, self.sample, self.along, NEIGHBORS)
-        return interpolate_nodes(self.deviations, along)
+        return interpolate(points, self.sample, self.deviations, NEIGHBORS)
 
 
 def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
@@ -63,8 +70,22 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
     along = source.spine.along
     start, end = fit_spine(source.points, along).nodes, fit_spine(deformed, along).nodes
     share = growth_share(start, end, unevenness(source.points, deformed))
-    deviations = mid_spine(start, end, share) - 0.5 * (start + end)
-    return OrganMotion(source.points, along, deformed, deviations)
+    bend = interpolate_nodes(mid_spine(start, end, share) - 0.5 * (start + end), along)
+    offsets = source.points - interpolate_nodes(start, along)
+    deviations = bend + _widening(offsets, deformed - interpolate_nodes(end, along), along)
+    return OrganMotion(source.points, deformed, deviations)
+
+
+def _widening(before: Points, after: Points, along: Floats) -> Points:
+    """(n, 3) deviations of offsets from the spine, so that cross-sections keep their mean size.
+
+    A blade that rolls would be too narrow at mid-interval otherwise.
+    """
+    middle = 0.5 * (before + after)
+    weights = section_weights(along, NODE_POSITIONS)
+    sizes = [np.sqrt(weights @ (side**2).sum(axis=1)) for side in (before, after, middle)]
+    factor = np.minimum(0.5 * (sizes[0] + sizes[1]) / np.maximum(sizes[2], 1e-30), MAX_WIDENING)
+    return (interpolate_nodes(factor, along)[:, None] - 1.0) * middle
 
 
 def mid_spine(start: Points, end: Points, share: float) -> Points:

@@ -52,10 +52,15 @@ def fit_spine(points: Points, lengths: NDArray[np.float64]) -> Spine:
     """
     length = float(np.quantile(lengths, TIP_QUANTILE)) or 1.0
     along = np.clip(lengths / length, 0.0, 1.0)
-    lag = along[None, :] - NODE_POSITIONS[:, None]
-    weight = np.exp(-0.5 * (lag / KERNEL_WIDTH) ** 2) + WEIGHT_FLOOR
-    nodes, slopes = local_lines(weight, lag, points, RIDGE * KERNEL_WIDTH**2)
+    weights, lag = section_weights(along, NODE_POSITIONS), along - NODE_POSITIONS[:, None]
+    nodes, slopes = local_lines(weights, lag, points, RIDGE * KERNEL_WIDTH**2)
     return Spine(nodes, unit(slopes), along)
+
+
+def section_weights(along: Floats, levels: Floats) -> Floats:
+    """(m, n) weights of n points in the cross-sections at m levels of the spine, with sums of 1."""
+    weights = np.exp(-0.5 * ((along - levels[:, None]) / KERNEL_WIDTH) ** 2) + WEIGHT_FLOOR
+    return np.asarray(weights / weights.sum(axis=1, keepdims=True))
 
 
 def local_lines(

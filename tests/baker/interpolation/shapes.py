@@ -69,6 +69,14 @@ def twisting(along: Array, across: Array, u: float) -> Array:
     )  # fmt: skip
 
 
+def rolling(along: Array, across: Array, u: float) -> Array:
+    """Twists until its tip is upside down, and sinks."""
+    return strip(
+        along, across, length=80 + 8 * u, width=9 + u, rise=0.9 - 0.3 * u, bend=0.5, roll=0.3,
+        twist=2.4 * u,
+    )  # fmt: skip
+
+
 def curling(along: Array, across: Array, u: float) -> Array:
     """Curls sideways and down."""
     return strip(
@@ -102,6 +110,7 @@ def compound(along: Array, across: Array, u: float) -> Array:
 SHAPES: dict[str, Shape] = {
     "leaf": leaf,
     "twisting": twisting,
+    "rolling": rolling,
     "curling": curling,
     "stem": stem,
     "compound": compound,

@@ -74,11 +74,16 @@ def test_no_shape_is_worse_off(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["leaf", "twisting", "curling"])
 def test_the_spine_keeps_its_length(name: str) -> None:
-    motion = motion_between(*clouds(SHAPES[name]))
-    nodes = [fit_spine(points, motion.along).nodes for points in (motion.sample, motion.deformed)]
-    spines = nodes[0], (nodes[0] + nodes[1]) / 2 + motion.deviations, nodes[1]
+    before, after = (shape_of(points[:1000], np.zeros(3)) for points in clouds(SHAPES[name]))
+    motion = fit_motion(before, after)
+    along = before.spine.along
+    nodes = [fit_spine(points, along).nodes for points in (motion.sample, motion.deformed)]
+    share = growth_share(*nodes, unevenness(motion.sample, motion.deformed))
+    spines = nodes[0], mid_spine(*nodes, share), nodes[1]
     start, half, end = (np.linalg.norm(np.diff(spine, axis=0), axis=1) for spine in spines)
     np.testing.assert_allclose(half, half_way(start, end), rtol=1e-9)
+    middle = (motion.sample + motion.deformed) / 2 + motion.deviations
+    np.testing.assert_allclose(fit_spine(middle, along).nodes, spines[1], atol=0.5)
     assert half.sum() == pytest.approx((start + end).sum() / 2, rel=0.01)
 
 
@@ -102,6 +107,21 @@ def test_the_deformation_keeps_base_at_base_and_tip_at_tip(name: str) -> None:
     nearest = cKDTree(end.points).query(motion.deformed)[1]
     ranks = [a.argsort().argsort() for a in (start.spine.along, end.spine.along[nearest])]
     assert np.corrcoef(ranks)[0, 1] > 0.95
+
+
+@pytest.mark.parametrize("name", ["leaf", "twisting", "rolling", "curling"])
+def test_the_deformation_keeps_both_margins(name: str) -> None:
+    """Where a blade rolls by a right angle, it isn't pressed flat with its points in disorder."""
+    start, end = clouds(SHAPES[name])
+    motion = motion_between(start, end)
+    rng = np.random.default_rng(5)
+    along, across = rng.uniform(0.1, 0.9, 4000), rng.uniform(-1, 1, 4000)
+    before, middle, after = (SHAPES[name](along, across, u) for u in (0.0, 0.5, 1.0))
+    width = float(np.ptp(end, axis=0).min())
+    found = motion.registered(before, end)[0]
+    rebuilt = (before + found) / 2 + motion.deviation(before)
+    for points, truth in ((found, after), (rebuilt, middle)):
+        assert np.quantile(np.linalg.norm(points - truth, axis=1), 0.9) < 0.15 * width
 
 
 def test_what_lies_between_two_nodes_stays_between_them() -> None:
