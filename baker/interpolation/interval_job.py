@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain
+from operator import attrgetter
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,7 +142,8 @@ def solve_intervals(
     with thread_map(workers) as map:
         if len(jobs) < workers:
             # Batches of organs, the packing and, where organs are registered, two scans' shapes.
-            steps = [len(_batches(job, workers)) + 1 + 2 * job.is_registered for job in jobs]
+            solving = [sum(map(len, _phases(job, workers))) for job in jobs]
+            steps = [n + 1 + 2 * job.is_registered for n, job in zip(solving, jobs, strict=True)]
             map = reporting(map, report_progress, sum(steps))
             yield from (solve_interval(job, map, workers) for job in jobs)
             return
@@ -167,9 +169,12 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         shapes = list(map(organ_shapes, clouds, *sides))
     total = sum(task.size for task in job.tasks)
 
-    def solve(task: Task) -> OrganPaths | None:
-        if task.event == "loss":
-            return None
+    solved: dict[int, OrganPaths] = {}  # track id of an organ -> its paths
+
+    def solve(task: Task) -> OrganPaths:
+        if task.origin:
+            parent, contact = task.origin
+            task = replace(task, start=solved[parent].starts_of(contact))
         start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
         motion: OrganMotion | None = None
         parts: Sequence[LeafletPair] = ()
@@ -187,27 +192,34 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         of_children = child_deviations(task.organ, motion, clouds[1], scan)
         return replace(paths, deviation=deviation, child_deviations=of_children)
 
-    def solve_batch(batch: list[int]) -> list[OrganPaths | None]:
-        return [solve(job.tasks[k]) for k in batch]
+    def solve_batch(batch: list[Task]) -> list[OrganPaths]:
+        return [solve(task) for task in batch]
 
-    batches = _batches(job, workers)
-    solved = dict(zip(chain(*batches), chain(*map(solve_batch, batches)), strict=True))
-    paths = [organ for k in range(len(solved)) if (organ := solved[k]) is not None]
+    for batches in _phases(job, workers):
+        solved |= {organ.task.organ: organ for organ in chain(*map(solve_batch, batches))}
+    paths = [solved[task.organ] for task in job.tasks if task.event != "loss"]
     # In a thread of the map, which uses the memory of the transport again.
     (interval,) = map(_packed, [paths], [job])
     return interval
 
 
-def _batches(job: IntervalJob, workers: int) -> list[list[int]]:
-    """Indices of tasks in batches for threads: of each large organ, and of all small ones together.
+def _phases(job: IntervalJob, workers: int) -> list[list[list[Task]]]:
+    """Batches of tasks for threads; new organs that grow on others are solved after these."""
+    tasks = [task for task in job.tasks if task.event != "loss"]
+    phases = [task for task in tasks if not task.origin], [task for task in tasks if task.origin]
+    return [_batches(phase, workers) for phase in phases if phase]
+
+
+def _batches(tasks: Sequence[Task], workers: int) -> list[list[Task]]:
+    """Batches of tasks for threads: of each large organ, and of all small ones together.
 
     Small organs hold the interpreter's lock for most of their time, so one thread solves them while
     others solve large ones. The largest come first, so that threads finish at about the same time.
     """
-    sizes = [task.size for task in job.tasks]
-    ascending = sorted(range(len(sizes)), key=sizes.__getitem__)
-    small = int(np.searchsorted(np.cumsum(sorted(sizes)), SMALL_SHARE * sum(sizes) / workers))
-    large = [[k] for k in reversed(ascending[small:])]
+    ascending = sorted(tasks, key=attrgetter("size"))
+    sizes = np.cumsum([task.size for task in ascending])
+    small = int(np.searchsorted(sizes, SMALL_SHARE * sizes[-1] / workers))
+    large = [[task] for task in reversed(ascending[small:])]
     return [*large[:1], ascending[:small], *large[1:]]
 
 

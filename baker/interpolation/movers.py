@@ -31,6 +31,11 @@ class OrganPaths:
     deviation: Floats | float = 0.0  # (M, 3) from straight paths at mid-interval
     child_deviations: Mapping[int, Floats] = field(default_factory=dict)  # organ -> (3,)
 
+    def starts_of(self, ends: Indices) -> NDArray[np.intp]:
+        """The points of the first scan where movers start that end at points of the second."""
+        is_chosen = np.isin(self.task.end[self.plan.columns], ends)
+        return np.unique(self.task.start[self.plan.rows[is_chosen]])
+
     @property
     def pair(self) -> SegmentPair:
         """The organ's entry in the clip's table of segment pairs."""

@@ -25,6 +25,9 @@ class Task:
     organ: int  # track id
     start: NDArray[np.intp]  # (n,) points of the first scan; of a new organ, of its parent
     end: NDArray[np.intp]  # (m,) points of the second scan; empty for a lost organ
+    # Of a new organ without `start`: the track id of its parent, and (l,) points of that in the
+    # second scan. The organ unfolds from where the movers start that end there.
+    origin: tuple[int, NDArray[np.intp]] | None = None
 
     @property
     def size(self) -> int:
@@ -43,9 +46,9 @@ def interval_tasks(
     points: (N, 3) and (M, 3) points of the two aligned scans. attachment_points: the paper's l, the
     number of points from which a new organ unfolds; by default 1 % of the parent's points, from 3
     to 100, but at most a tenth of the organ's. paper: whether it is by default 1 % of the parent's
-    points, from 10 to 100, and always those nearest to the organ, as in the paper. Each point of
-    the first scan is in the start of one match or loss, each point of the second in the end of one
-    task.
+    points, from 10 to 100, and always those nearest to the organ in the first scan, as in the
+    paper. Each point of the first scan is in the start of one match or loss, each point of the
+    second in the end of one task.
     """
     starts, ends, organs = match.first.segments, match.second.segments, match.second.organs
     # A stem that is matched with a virtual, empty root is lost, or born.
@@ -54,10 +57,16 @@ def interval_tasks(
     lost = [*match.losses, *(a for a, b in match.pairs if not len(ends[b]))]
     tasks = [Task("match", organs[b], starts[a], ends[b]) for a, b in matched]
     attach = cache(partial(_attachment_points, points, match, attachment_points, paper))
-    born = [b for b in born if len(ends[b])]
-    tasks += [Task("birth", organs[b], attach(*_attachment(match, b)), ends[b]) for b in born]
+    for b in (b for b in born if len(ends[b])):
+        ancestor, top = _attachment(match, b)
+        start, origin, parent = np.arange(0), None, match.second.parents[top]
+        if paper or parent not in {b for _, b in matched}:
+            start = attach(0, ancestor, top)
+        else:
+            origin = organs[parent], attach(1, parent, top)
+        tasks.append(Task("birth", organs[b], start, ends[b], origin))
     tasks += [Task("loss", match.first.organs[a], starts[a], np.arange(0)) for a in lost]
-    return tuple(task for task in tasks if len(task.start) or len(task.end))
+    return tuple(task for task in tasks if task.size)
 
 
 def _attachment(match: Match, segment: int) -> tuple[int | None, int]:
@@ -81,16 +90,19 @@ def _attachment_points(
     match: Match,
     count: int | None,
     paper: bool,
+    scan: int,
     ancestor: int | None,
     top: int,
 ) -> NDArray[np.intp]:
-    """The points of the segment `ancestor` that are nearest to the new segment `top`.
+    """The points of the segment `ancestor` of a scan that are nearest to the new segment `top`.
 
     Unless `paper`, stray points are left out: of twice as many, those in their middle are chosen.
+    scan: 0 or 1, for the first or the second one.
     """
     from scipy.spatial import cKDTree
 
-    members = np.arange(len(points[0])) if ancestor is None else match.first.segments[ancestor]
+    cloud, hierarchy = points[scan], (match.first, match.second)[scan]
+    members = np.arange(len(cloud)) if ancestor is None else hierarchy.segments[ancestor]
     organ = match.second.segments[top]
     if not count:
         least, share = PAPER_MIN_ATTACHMENT_POINTS, ATTACHMENT_SHARE * len(members)
@@ -101,10 +113,10 @@ def _attachment_points(
     tree = cKDTree(points[1].take(organ, axis=0), balanced_tree=False)
     # A sample gives an upper bound of the distances, which makes the query faster.
     sample = members[:: max(1, len(members) // (SAMPLE_RATIO * near_count))]
-    nearest = np.sort(tree.query(points[0].take(sample, axis=0))[0])[:near_count]
+    nearest = np.sort(tree.query(cloud.take(sample, axis=0))[0])[:near_count]
     bound = 1.000001 * float(nearest[-1]) or np.inf
-    distances, _ = tree.query(points[0].take(members, axis=0), distance_upper_bound=bound)
+    distances, _ = tree.query(cloud.take(members, axis=0), distance_upper_bound=bound)
     near = members[np.argsort(distances, kind="stable")[:near_count]]
-    start = points[0].take(near, axis=0)
+    start = cloud.take(near, axis=0)
     from_middle = ((start - np.median(start, axis=0)) ** 2).sum(axis=1)
     return near[np.sort(np.argsort(from_middle, kind="stable")[:count])]
