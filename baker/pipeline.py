@@ -9,6 +9,8 @@ from functools import partial
 from itertools import pairwise, repeat
 from pathlib import Path
 
+import numpy as np
+
 from baker.alignment import Alignment, align
 from baker.alignment.keyframes import AlignedSeries, aligned_keyframes, hold_out
 from baker.alignment.stem_base import base_point, named_base
@@ -34,9 +36,9 @@ from baker.matching.segmentation_choice import choose_segmentations
 from baker.options import Options
 from baker.scans import Finding, Series, read_series
 from baker.scans.size import points_finding
-from baker.segmentation.from_labels import labelled_hierarchies
+from baker.segmentation.from_labels import hierarchy_from_labels, labelled_hierarchies
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
-from baker.segmentation.hierarchy import Hierarchy, one_segment
+from baker.segmentation.hierarchy import Hierarchy
 from baker.segmentation.label_cleaning import with_clean_labels
 from baker.segmentation.organs import candidate_organs
 from baker.transport.solve import wasserstein
@@ -193,7 +195,8 @@ def _segment(
     labels, aligned, corrections = survey.labels, survey.aligned, survey.corrections
     clouds, bases = aligned.clouds, aligned.bases
     if options.whole:
-        return labels, [one_segment(len(cloud)) for cloud in clouds]
+        one_organ = [np.zeros(len(cloud), np.int64) for cloud in clouds]
+        return labels, [hierarchy_from_labels(organ, 0, gaps={}) for organ in one_organ]
     map = reporting(map, partial(progress, "segmentation"), len(clouds))
     organs = labels.available
     if not organs and options.segment == "thin":
