@@ -178,9 +178,7 @@ def survey_series(
     days = tuple(scan.time for scan in series.scans)
     aligned = AlignedSeries(days, keyframes, tuple(neighbors), tuple(bases), vertical)
 
-    given, names = [s.labels for s in series.scans], [s.name for s in series.scans]
-    requested, field = choices.labels, raw.label_field
-    labels = label_policy(given, names, aligned.clouds, aligned.bases, requested, field)
+    labels = label_policy(series, aligned.clouds, aligned.bases, choices.labels)
     corrections = options.corrections or ()
     if corrections:
         labels = replace(labels, findings=(*labels.findings, corrections_finding(corrections)))
