@@ -84,7 +84,7 @@ def describe_provenance(
         "options": options.provenance(),
         "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in raw.scans],
         "origins": [scan.origin.tolist() for scan in raw.scans],
-        "transforms": [transform.tolist() for transform in alignment.transforms],
+        "transforms": alignment.transforms.tolist(),
         "decisions": [finding.sentence for finding in findings],
         "notes": notes,
     }
