@@ -69,24 +69,9 @@ def hold_out(
 ) -> tuple[Series, list[Keyframe], tuple[ScanMark, ...]]:
     """Split an aligned series into the scans to bake and those left out (section 4, Figure 13).
 
-    The first and the last scan always stay, since a clip can't be evaluated outside the series.
-
-    Parameters
-    ----------
-    series, keyframes : Series, sequence of Keyframe
-    every : int, optional
-        Leave out the scans numbered `every`, 2 `every`, ... from 1; by default none.
-
-    Returns
-    -------
-    series, keyframes : Series, list of Keyframe
-        The scans to bake.
-    held_out : tuple of ScanMark
-
-    Raises
-    ------
-    InputError
-        If no scan would be left out.
+    every: leave out the scans numbered `every`, 2 `every`, ... from 1; by default none. The first
+    and the last scan always stay, since a clip can't be evaluated outside the series. Raises
+    InputError if no scan would be left out.
     """
     count = len(series.scans)
     left_out = range(every - 1, count - 1, every) if every is not None else ()

@@ -33,15 +33,8 @@ def run(
 ) -> int:
     """List or bake scans, folders of scans, or folders of plants; return the exit code of `bake`.
 
-    Parameters
-    ----------
-    inputs : sequence of Path
-    output : str
-        The argument of -o as it was typed, since a slash at its end means a folder.
-    options : Options
-    outputs : Outputs
-    list_only : bool
-        Whether to print what would be baked instead of baking it.
+    output: the argument of -o as it was typed, since a slash at its end means a folder. list_only:
+    whether to print what would be baked instead of baking it.
     """
     if not output and not list_only:
         raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")
