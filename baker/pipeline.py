@@ -11,8 +11,8 @@ from pathlib import Path
 
 import numpy as np
 
-from baker.alignment import Alignment, align
 from baker.alignment.keyframes import AlignedSeries, aligned_keyframes, hold_out
+from baker.alignment.register import Alignment, align
 from baker.alignment.stem_base import base_point, named_base
 from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, one_blas_thread, reporting, thread_map, worker_count
@@ -34,7 +34,8 @@ from baker.matching.labels import LabelUse, label_policy, with_tracked_labels
 from baker.matching.match import chain_matches, match_series
 from baker.matching.segmentation_choice import choose_segmentations
 from baker.options import Options
-from baker.scans import Finding, Series, read_series
+from baker.scans.read import read_series
+from baker.scans.scan import Finding, Series
 from baker.scans.size import points_finding
 from baker.segmentation.from_labels import hierarchy_from_labels, labelled_hierarchies
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree

@@ -10,7 +10,7 @@ from baker.alignment.register import Alignment
 from baker.errors import InputError
 from baker.geometry.neighbors import Neighbors
 from baker.geometry.up_axis import Vertical
-from baker.scans import Series
+from baker.scans.scan import Series
 from gclip import ScanMark
 
 

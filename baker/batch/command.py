@@ -16,8 +16,7 @@ from baker.geometry.parallel import thread_map, worker_count
 from baker.options import Options, Outputs
 from baker.pipeline import survey_series
 from baker.report.summary import error_lines, summary_lines, verdict_line
-from baker.scans import Finding
-from baker.scans.scan import TOPICS
+from baker.scans.scan import TOPICS, Finding
 from baker.transport.compile import compile_kernels
 from corrections import corrections_file
 from gclip.terminal import atomic

@@ -6,7 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
-from baker.alignment import align
+from baker.alignment.register import align
 from baker.alignment.stem_base import base_point
 from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.surface import covariances, point_area
