@@ -42,6 +42,8 @@ def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> lis
     """
     organs = [scan.largest() for scan in organs]
     steps = list(map(candidate_motions, organs, organs[1:]))
+    if not steps:
+        return []
 
     def indirect_scores(first: OrganDescriptors, third: OrganDescriptors, k: int) -> Floats:
         (before, _), (after, _) = steps[k - 1], steps[k]  # motions before and after scan k

@@ -103,6 +103,7 @@ def test_too_few_organs_determine_no_rotation(leaves: int) -> None:
     alone, plant = described(*spiral(leaves)), described(*spiral(4, seed=1))
     np.testing.assert_array_equal(plant_motions([alone, alone]), [np.eye(4)])
     assert np.shape(plant_motions([alone, plant, alone])) == (2, 4, 4)
+    assert plant_motions([plant]) == []
 
 
 def test_motions_of_successive_intervals_compose() -> None:
