@@ -9,8 +9,10 @@ from functools import partial
 from itertools import pairwise, repeat
 from pathlib import Path
 
-from baker.alignment import Alignment, align
+import numpy as np
+
 from baker.alignment.keyframes import AlignedSeries, aligned_keyframes, hold_out
+from baker.alignment.register import Alignment, align
 from baker.alignment.stem_base import base_point, named_base
 from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import MapLike, one_blas_thread, reporting, thread_map, worker_count
@@ -32,11 +34,12 @@ from baker.matching.labels import LabelUse, label_policy, with_tracked_labels
 from baker.matching.match import chain_matches, match_series
 from baker.matching.segmentation_choice import choose_segmentations
 from baker.options import Options
-from baker.scans import Finding, Series, read_series
+from baker.scans.read import read_series
+from baker.scans.scan import Finding, Series
 from baker.scans.size import points_finding
-from baker.segmentation.from_labels import labelled_hierarchies
+from baker.segmentation.from_labels import hierarchy_from_labels, labelled_hierarchies
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
-from baker.segmentation.hierarchy import Hierarchy, one_segment
+from baker.segmentation.hierarchy import Hierarchy
 from baker.segmentation.label_cleaning import with_clean_labels
 from baker.segmentation.organs import candidate_organs
 from baker.transport.solve import wasserstein
@@ -176,9 +179,7 @@ def survey_series(
     days = tuple(scan.time for scan in series.scans)
     aligned = AlignedSeries(days, keyframes, tuple(neighbors), tuple(bases), vertical)
 
-    given, names = [s.labels for s in series.scans], [s.name for s in series.scans]
-    requested, field = choices.labels, raw.label_field
-    labels = label_policy(given, names, aligned.clouds, aligned.bases, requested, field)
+    labels = label_policy(series, aligned.clouds, aligned.bases, choices.labels)
     corrections = options.corrections or ()
     if corrections:
         labels = replace(labels, findings=(*labels.findings, corrections_finding(corrections)))
@@ -193,7 +194,8 @@ def _segment(
     labels, aligned, corrections = survey.labels, survey.aligned, survey.corrections
     clouds, bases = aligned.clouds, aligned.bases
     if options.whole:
-        return labels, [one_segment(len(cloud)) for cloud in clouds]
+        one_organ = [np.zeros(len(cloud), np.int64) for cloud in clouds]
+        return labels, [hierarchy_from_labels(organ, 0, gaps={}) for organ in one_organ]
     map = reporting(map, partial(progress, "segmentation"), len(clouds))
     organs = labels.available
     if not organs and options.segment == "thin":

@@ -25,7 +25,8 @@ import numpy as np
 
 import gclip
 from baker import Options
-from baker.scans import Series, read_series
+from baker.scans.read import read_series
+from baker.scans.scan import Series
 from grow.series import Plan, write_series
 
 KINDS = ("maize", "tomato", "tree")

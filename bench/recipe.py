@@ -169,7 +169,7 @@ def main() -> None:
     np.seterr(all="ignore")
 
     from baker.options import Options
-    from baker.scans import read_series
+    from baker.scans.read import read_series
 
     has_labels = arguments.labels == "consistent"
     options = Options(every=arguments.every, labels=arguments.labels)

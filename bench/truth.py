@@ -31,8 +31,8 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from baker import Options, bake
-from baker.alignment import align
-from baker.scans import Scan, Series
+from baker.alignment.register import align
+from baker.scans.scan import Scan, Series
 from bench.traits import clip_of, errors, truth
 from grow import plant
 from grow.cli import main as grow

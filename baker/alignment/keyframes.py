@@ -10,7 +10,7 @@ from baker.alignment.register import Alignment
 from baker.errors import InputError
 from baker.geometry.neighbors import Neighbors
 from baker.geometry.up_axis import Vertical
-from baker.scans import Series
+from baker.scans.scan import Series
 from gclip import ScanMark
 
 
@@ -69,39 +69,19 @@ def hold_out(
 ) -> tuple[Series, list[Keyframe], tuple[ScanMark, ...]]:
     """Split an aligned series into the scans to bake and those left out (section 4, Figure 13).
 
-    Parameters
-    ----------
-    series, keyframes : Series, sequence of Keyframe
-    every : int, optional
-        Leave out the scans numbered `every`, 2 `every`, ... from 1; by default none.
-
-    Returns
-    -------
-    series, keyframes : Series, list of Keyframe
-        The scans to bake.
-    held_out : tuple of ScanMark
-
-    Raises
-    ------
-    InputError
-        If no scan would be left out.
+    every: leave out the scans numbered `every`, 2 `every`, ... from 1; by default none. The first
+    and the last scan always stay, since a clip can't be evaluated outside the series. Raises
+    InputError if no scan would be left out.
     """
-    left_out = held_out_scans(len(series.scans), every)
+    count = len(series.scans)
+    left_out = range(every - 1, count - 1, every) if every is not None else ()
     if every is not None and not left_out:
         raise InputError(
-            f"--holdout {every} leaves none of the {len(series.scans)} scans out; "
+            f"--holdout {every} leaves none of the {count} scans out; "
             f"at least {every + 1} are needed, for the first and the last always stay."
         )
-    baked = [k for k in range(len(series.scans)) if k not in left_out]
+    baked = [k for k in range(count) if k not in left_out]
     excluded = [(series.scans[k], keyframes[k].positions) for k in left_out]
     held_out = tuple(ScanMark(s.name, s.time, s.date, len(p), p) for s, p in excluded)
     series = replace(series, scans=tuple(series.scans[k] for k in baked))
     return series, [keyframes[k] for k in baked], held_out
-
-
-def held_out_scans(count: int, every: int | None) -> tuple[int, ...]:
-    """Indices of the scans that `--holdout N` leaves out, those numbered N, 2 N, 3 N, ... from 1.
-
-    The first and the last scan always stay, since a clip can't be evaluated outside the series.
-    """
-    return () if every is None else tuple(range(every - 1, count - 1, every))

@@ -27,20 +27,17 @@ class Alignment:
     """The transforms of the scans of a series to one frame, that of the first scan."""
 
     up: str  # the direction of growth: "x", "y", "z", "-x", "-y" or "-z"
-    transforms: tuple[Array, ...]  # (4, 4) from each scan's coordinates
-    bases: tuple[Array, ...]  # (3,) plant base of each scan, in the common frame
+    transforms: Array  # (S, 4, 4) from each scan's coordinates
+    bases: Array  # (S, 3) plant base of each scan, in the common frame
     findings: tuple[Finding, ...] = ()  # about the up axis, the frame and the plant
 
     @property
     def moves(self) -> list[tuple[float, float]]:
         """The rotation of each scan in degrees, and the distance that its base was moved."""
-        moves = []
-        for transform, base in zip(self.transforms, self.bases, strict=True):
-            rotation, shift = transform[:3, :3], transform[:3, 3]
-            cosine = np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0)
-            distance = np.linalg.norm(base - rotation.T @ (base - shift))
-            moves.append((float(np.degrees(np.arccos(cosine))), float(distance)))
-        return moves
+        cosines = (np.trace(self.transforms[:, :3, :3], axis1=1, axis2=2) - 1.0) / 2.0
+        angles = np.degrees(np.arccos(np.clip(cosines, -1.0, 1.0)))
+        before = _bases_in_frame(self.bases, np.linalg.inv(self.transforms))
+        return list(zip(angles, np.linalg.norm(self.bases - before, axis=1), strict=True))
 
 
 def align(
@@ -106,12 +103,10 @@ def align(
         )
     findings += same_plant_findings(samples, transforms, map)
     progress("aligning", total, total)
-    return Alignment(
-        direction, (*transforms,), (*_bases_in_frame(bases, transforms),), (*findings,)
-    )
+    return Alignment(direction, transforms, _bases_in_frame(bases, transforms), (*findings,))
 
 
-def _bases_in_frame(bases: Array, transforms: Array) -> Array:
+def _bases_in_frame(bases: Array, transforms: NDArray[np.floating]) -> Array:
     """(S, 3) the base of each scan in the common frame."""
     return np.einsum("sij,sj->si", transforms[:, :3, :3], bases) + transforms[:, :3, 3]
 

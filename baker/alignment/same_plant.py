@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from baker.alignment.icp import nearest_pairs
 from baker.alignment.sample import EvenSample
 from baker.geometry.graph import edge_components
+from baker.geometry.neighbors import principal_spreads
 from baker.geometry.parallel import MapLike
-from baker.geometry.principal_axes import principal_spreads
 from baker.scans.scan import Finding
 
 SCANS_AROUND = 2  # number of scans before and after a scan that it is compared with

@@ -16,8 +16,7 @@ from baker.geometry.parallel import thread_map, worker_count
 from baker.options import Options, Outputs
 from baker.pipeline import survey_series
 from baker.report.summary import error_lines, summary_lines, verdict_line
-from baker.scans import Finding
-from baker.scans.scan import TOPICS
+from baker.scans.scan import TOPICS, Finding
 from baker.transport.compile import compile_kernels
 from corrections import corrections_file
 from gclip.terminal import atomic
@@ -33,15 +32,8 @@ def run(
 ) -> int:
     """List or bake scans, folders of scans, or folders of plants; return the exit code of `bake`.
 
-    Parameters
-    ----------
-    inputs : sequence of Path
-    output : str
-        The argument of -o as it was typed, since a slash at its end means a folder.
-    options : Options
-    outputs : Outputs
-    list_only : bool
-        Whether to print what would be baked instead of baking it.
+    output: the argument of -o as it was typed, since a slash at its end means a folder. list_only:
+    whether to print what would be baked instead of baking it.
     """
     if not output and not list_only:
         raise InputError("-o is missing: the clip to write, such as -o plant.gclip.")

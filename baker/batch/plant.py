@@ -16,8 +16,8 @@ from baker.interpolation.provenance import software
 from baker.options import Options, Outputs, parse_corrections
 from baker.pipeline import Progress, bake_with_survey
 from baker.report.page import write_report
-from baker.scans import Finding
 from baker.scans.read import digest, list_series
+from baker.scans.scan import Finding
 from corrections import corrections_file
 from gclip.clip import Clip
 from gclip.terminal.command import OUR_FAULT, verdict

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.keyframes import Keyframe
-from baker.scans import Scan
+from baker.scans.scan import Scan
 from baker.segmentation.hierarchy import Hierarchy
 from gclip import Clip, Motion
 from gclip.evaluate import positions_on_curve

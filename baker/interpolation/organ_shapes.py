@@ -42,6 +42,8 @@ def organ_attachments(
 
     clouds, spacings: (N, 3) points and point spacing of each scan. matches: of each interval.
     """
+    from scipy.spatial.distance import cdist
+
     hierarchies = [match.first for match in matches] + [matches[-1].second]
     matched = {match.second.organs[b] for match in matches for _, b in match.pairs}
     contacts = list(map(_contacts, clouds, spacings, hierarchies, repeat(matched)))
@@ -49,8 +51,12 @@ def organ_attachments(
     for organ in set().union(*contacts):
         present = [scan for scan in range(len(clouds)) if organ in contacts[scan]]
         candidates = [contacts[scan][organ] for scan in present]
-        for scan, contact in zip(present, _least_moving(candidates), strict=True):
-            chosen[scan][organ] = contact
+        path = best_path(
+            np.array([[-cdist(a, b).min() for b in after] for a in before])
+            for before, after in pairwise(candidates)
+        )
+        for scan, k in zip(present, path, strict=True):
+            chosen[scan][organ] = contacts[scan][organ][k]
     return chosen
 
 
@@ -78,17 +84,6 @@ def _contacts(
         _, parts = split_by_label(edge_components(pairs.T, len(touching)))
         contacts[organ] = [touching[part] for part in parts]
     return contacts
-
-
-def _least_moving(candidates: Sequence[Sequence[Cloud]]) -> list[Cloud]:
-    """One contact of each scan, with the least sum of distances between successive contacts."""
-    from scipy.spatial.distance import cdist
-
-    path = best_path(
-        np.array([[-cdist(a, b).min() for b in after] for a in before])
-        for before, after in pairwise(candidates)
-    )
-    return [contacts[k] for contacts, k in zip(candidates, path, strict=True)]
 
 
 @dataclass(frozen=True)

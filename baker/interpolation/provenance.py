@@ -6,14 +6,14 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
-from baker.alignment import Alignment
+from baker.alignment.register import Alignment
 from baker.errors import InputError
 from baker.interpolation.attributes import organ_colors
 from baker.matching.labels import LabelUse
 from baker.matching.match import Organ
 from baker.options import Options
-from baker.scans import Series
 from baker.scans.formats import READERS, suffix_of
+from baker.scans.scan import Series
 from baker.segmentation.hierarchy import Hierarchy
 from gclip import Track, __version__
 
@@ -84,7 +84,7 @@ def describe_provenance(
         "options": options.provenance(),
         "inputs": [{"name": scan.name, "sha256": scan.sha256} for scan in raw.scans],
         "origins": [scan.origin.tolist() for scan in raw.scans],
-        "transforms": [transform.tolist() for transform in alignment.transforms],
+        "transforms": alignment.transforms.tolist(),
         "decisions": [finding.sentence for finding in findings],
         "notes": notes,
     }

@@ -6,7 +6,7 @@ for their area, some are repeated: with the same start and end, so that the scan
 reproduced exactly, but displaced at mid-interval.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -38,7 +38,8 @@ def with_even_density(
     area: (M,) area that each mover represents at mid-interval, in squared length units.
     start_points, end_points: (M,) indices of the points at its ends.
     """
-    density, middle = _target_density(area, growth), position_at(movers.curve, 0.5)
+    density, weights = _target_density(area, growth), bernstein(len(movers.curve) - 1, 0.5)
+    middle: Any = sum(w * points for w, points in zip(weights, movers.curve, strict=True))
     repeated, repetition = _choose_repeated(middle, np.maximum(density * area - 1, 0))
     if not len(repeated) or len(movers) <= NEIGHBORS:
         return [movers]
@@ -50,14 +51,6 @@ def with_even_density(
     values: dict[str, Any] = {name: getattr(movers, name) for name in ("tracks", *OPTIONAL)}
     values = {name: v if v is None else v.take(repeated, axis=0) for name, v in values.items()}
     return [movers, replace(movers, curve=(start, control, end), **values)]
-
-
-def position_at(curve: Sequence[Floats], u: float) -> Floats:
-    """(N, 3) positions on Bézier curves at the parameter u."""
-    position = np.zeros(curve[0].shape)
-    for weight, points in zip(bernstein(len(curve) - 1, u), curve, strict=True):
-        position += weight * points
-    return position
 
 
 def _target_density(areas: Floats, growth: float) -> float:

@@ -18,7 +18,7 @@ from baker.alignment.keyframes import AlignedSeries
 from baker.errors import InputError
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
 from baker.geometry.neighbors import NEIGHBORS
-from baker.scans import Finding, Series
+from baker.scans.scan import Finding, Series
 from corrections import Correction, Corrections, Place
 
 Labels = NDArray[np.int64]

@@ -15,7 +15,7 @@ from baker.errors import InputError
 from baker.matching.corrections import Labels, PointCorrection
 from baker.matching.merging import merge_parts
 from baker.matching.tracking import track_organs
-from baker.scans.scan import Finding
+from baker.scans.scan import Finding, Series
 from baker.segmentation.hierarchy import split_by_label
 
 Points = NDArray[np.floating]
@@ -52,25 +52,19 @@ class LabelUse:
 
 
 def label_policy(
-    labels: Sequence[Labels | None],
-    names: Sequence[str],
-    clouds: Sequence[Points],
-    root_points: Sequence[int],
-    requested: str,
-    field: str = "",
+    series: Series, clouds: Sequence[Points], root_points: Sequence[int], requested: str
 ) -> LabelUse:
     """Decide how the labels of the scans are used.
 
     Parameters
     ----------
-    labels, names, clouds : sequences of (N,) int64 ndarray or None, str, (N, 3) float ndarray
-        Of the aligned scans; labels as they were read.
+    series : Series
+    clouds : sequence of (N, 3) float ndarray
+        The aligned scans.
     root_points : sequence of int
         Index of the point at the plant base, for each scan.
     requested : {"auto", "consistent", "independent", "ignore"}
         With "auto", labels are consistent if their `label_agreement` is high.
-    field : str
-        The name of the field of labels.
 
     Returns
     -------
@@ -82,6 +76,7 @@ def label_policy(
     InputError
         If labels are requested but no scan has any, or a scan has more than `MAX_ORGANS`.
     """
+    labels = [scan.labels for scan in series.scans]
     labelled_scans = [k for k, organs in enumerate(labels) if organs is not None]
     if not labelled_scans and requested in ("consistent", "independent"):
         raise InputError(f"The scans have no labels; --labels {requested} needs them.")
@@ -94,9 +89,9 @@ def label_policy(
     for k, count in zip(labelled_scans, counts, strict=True):
         if count > MAX_ORGANS:
             raise InputError(
-                f"'{names[k]}' has {count} different labels, but at most {MAX_ORGANS} can be "
-                "organs of a plant; choose another field with --label-field, or read the scans "
-                "without labels (--labels ignore)."
+                f"'{series.scans[k].name}' has {count} different labels, but at most {MAX_ORGANS} "
+                "can be organs of a plant; choose another field with --label-field, or read the "
+                "scans without labels (--labels ignore)."
             )
     consistent, doubt, option = requested == "consistent", "", ""
     if requested == "auto":
@@ -107,7 +102,7 @@ def label_policy(
             doubt = f"their organs keep their places only in part ({agreement:.0%} beyond chance)"
             option = f"--labels {'independent' if consistent else 'consistent'}"
     few, many = min(counts), max(counts)
-    description = f"'{field}', " if field else ""
+    description = f"'{series.label_field}', " if series.label_field else ""
     description += f"{few} to {many} organs" if many > few else f"{few} organ{'s' * (few > 1)}"
     description += ", the same ones in all scans" if consistent else ", numbered anew in every scan"
     description += ", as asked" if requested != "auto" else ""

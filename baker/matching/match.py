@@ -48,23 +48,10 @@ def match_series(
 
     Segments that are merged for one interval stay merged in the next interval.
 
-    Parameters
-    ----------
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    hierarchies : sequence of Hierarchy
-    by_label : bool
-        Whether to match by labels, which are then consistent, or else by the hierarchies.
-    distance : callable
-        Of two segments, (n, 3) and (m, 3), in length units, such as the Wasserstein distance; used
-        to match by the hierarchies.
-    report_progress : callable
-        Called with the number of segments matched and their total.
-
-    Returns
-    -------
-    list of Match
-        One for each interval.
+    clouds: (N, 3) points of each aligned scan. by_label: whether to match by labels, which are then
+    consistent, or else by the hierarchies. distance: of two segments, (n, 3) and (m, 3), in length
+    units, such as the Wasserstein distance; used to match by the hierarchies. report_progress:
+    called with the number of segments matched and their total.
     """
     matches: list[Match] = []
     done, total = 0, sum(len(hierarchy.segments) for hierarchy in hierarchies[1:])

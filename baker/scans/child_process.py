@@ -99,24 +99,22 @@ def serve() -> None:
                 calls.put(pickle.load(sys.stdin.buffer))
         stop(1)  # also while a function is called
 
-    def call() -> None:
-        while True:
-            memory, function, arguments = pickle.loads(calls.get())
-            # Windows has no `resource`; a limit above the user's own is refused.
-            with suppress(ImportError, ValueError):
-                import resource
-
-                _, hard_limit = resource.getrlimit(resource.RLIMIT_DATA)
-                resource.setrlimit(resource.RLIMIT_DATA, (memory, hard_limit))
-            try:
-                result = function(*arguments)
-            except Exception as error:
-                result = error
-            pickle.dump(result, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
-            results.flush()
-
     Thread(target=receive, daemon=True).start()
     stop_on_signals()
-    with suppress(BrokenPipeError):
-        call()
-    stop(1)
+    while True:
+        memory, function, arguments = pickle.loads(calls.get())
+        # Windows has no `resource`; a limit above the user's own is refused.
+        with suppress(ImportError, ValueError):
+            import resource
+
+            _, hard_limit = resource.getrlimit(resource.RLIMIT_DATA)
+            resource.setrlimit(resource.RLIMIT_DATA, (memory, hard_limit))
+        try:
+            result = function(*arguments)
+        except Exception as error:
+            result = error
+        try:
+            pickle.dump(result, results, pickle.HIGHEST_PROTOCOL)  # which copies no arrays
+            results.flush()
+        except BrokenPipeError:
+            stop(1)

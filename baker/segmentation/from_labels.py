@@ -63,8 +63,7 @@ def labelled_hierarchies(
         usual = Counter(roots).most_common(1)[0][0]
         pairs = zip(labels, roots, strict=True)
         roots = [usual if usual in organs else own for organs, own in pairs]
-    build = partial(hierarchy_from_labels, ranks=ranks)
-    return list(map(build, clouds, labels, roots, gaps))
+    return list(map(partial(hierarchy_from_labels, ranks=ranks), labels, roots, gaps))
 
 
 def entry_distances(cloud: Points, labels: Labels, base: int) -> Gaps:
@@ -98,19 +97,14 @@ def parent_ranks(labels: Sequence[Labels], gaps: Sequence[Gaps]) -> Ranks:
 
 
 def hierarchy_from_labels(
-    points: NDArray[np.floating],
-    labels: NDArray[np.integer],
-    root_label: int,
-    gaps: Gaps | None = None,
-    ranks: Ranks | None = None,
+    labels: Labels, root_label: int, gaps: Gaps, ranks: Ranks | None = None
 ) -> Hierarchy:
-    """Build the hierarchy of one scan from the labels of its points, by Prim's algorithm.
+    """Build the hierarchy of one scan from the (N,) labels of its points, by Prim's algorithm.
 
-    gaps: as `segment_gaps` returns them, computed by default. ranks: as `parent_ranks` returns
-    them, to be used instead of the gaps of this scan.
+    gaps: as `segment_gaps` returns them. ranks: as `parent_ranks` returns them, to be used instead
+    of the gaps of this scan.
     """
     distinct, segments = split_by_label(labels)
-    gaps = segment_gaps(points, labels) if gaps is None else gaps
     root_gaps = [gap for (label, _), gap in gaps.items() if label == root_label]
     if len(segments) > 2 and min(root_gaps) > MAX_ROOT_GAP:
         return under_virtual_root(labels)
@@ -141,7 +135,7 @@ def hierarchy_from_labels(
     return Hierarchy(tuple(segments), tuple(distinct), tuple(numbers), root, tuple(notes))
 
 
-def under_virtual_root(labels: NDArray[np.integer]) -> Hierarchy:
+def under_virtual_root(labels: Labels) -> Hierarchy:
     """Make all segments children of a virtual, empty root (Komatsuna in section 4 of the paper)."""
     distinct, segments = split_by_label(labels)
     virtual = len(segments)

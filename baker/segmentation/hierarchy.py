@@ -61,11 +61,6 @@ class Hierarchy:
         return sorted(range(len(self.segments)), key=depth.__getitem__)
 
 
-def one_segment(points: int) -> Hierarchy:
-    """A hierarchy whose only segment has all points, of that number (the paper's Figure 3)."""
-    return Hierarchy((np.arange(points),), (0,), (NO_PARENT,), 0)
-
-
 def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray[np.intp]]]:
     """Group (N,) points by their labels.
 

@@ -9,7 +9,7 @@ fit the points best, for all paths together, are found by dynamic programming fr
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.principal_axes import principal_spreads
+from baker.geometry.neighbors import principal_spreads
 from baker.geometry.sampling import voxel_downsample
 from baker.segmentation.reeb_graph import PlantSample, ReebTree
 

@@ -44,8 +44,8 @@ def multiscale_plan(
     if len(start) < len(end):
         edges, mass = multiscale_plan(end, start, demand, supply, options)
         return (edges[1], edges[0]), mass
-    row, axes = bisection_order(start, options.seed)
-    column, _ = bisection_order(end, options.seed, axes)
+    row, axes = bisection_order(start, 0)
+    column, _ = bisection_order(end, 0, axes)
     row_levels = _levels(start[row], supply[row])
     column_levels = _levels(end[column], demand[column])
     last = len(row_levels)
@@ -79,7 +79,7 @@ def _improve(
     orders = [np.arange(n)]
     if not is_small:
         with thread_map(options.workers) as map:
-            other = partial(bisection_order, seed=options.seed + 1)
+            other = partial(bisection_order, seed=1)
             (rows, _), (columns, _) = map(other, (start, end))
         near = np.vstack([_neighbors(rows), np.int32(n) + _neighbors(columns)])
         orders.append(rows)
@@ -93,11 +93,11 @@ def _improve(
     if n + m <= MAX_POINTS_OF_ONE_CELL:
         return solve(np.array([plan.shape[1]]))
     cost = plan[2] @ costs(start, end, (plan[0], plan[1]), options.power)
-    for sweep, seed in enumerate(range(options.seed, options.seed + MAX_SWEEPS)):
+    for sweep in range(MAX_SWEEPS):
         cells = max(1, round((n + m) / (POINTS_OF_CELL * 2**sweep)))
         # No mass crosses the border of a cell, so each sweep has different ones.
         # They have equal numbers of pairs: where rows have much mass, they have many columns.
-        rows = orders[sweep] if sweep < len(orders) else bisection_order(start, seed)[0]
+        rows = orders[sweep] if sweep < len(orders) else bisection_order(start, seed=sweep)[0]
         counts, cell = np.bincount(plan[0], minlength=n)[rows], np.empty(n, np.int64)
         cell[rows] = (np.cumsum(counts) - counts) * cells // plan.shape[1]
         plan = plan.take(np.argsort(cell[plan[0]] * n + plan[0], kind="stable"), axis=1)

@@ -272,20 +272,17 @@ def _pivot(tree: Tree, n: Node, row: Node, column: Node, reduced: float, carried
     moved, leaving = (row_flow, row_leaving) if on_row_side else (column_flow, column_leaving)
     v, parent = (row, column) if on_row_side else (column, row)
     size = tree[leaving].size
-    # Push the flow around the cycle; add the size of the leaving subtree on the other side.
+    # Push the flow around the cycle; the size of the leaving subtree is added on the other side.
     w = parent
     while w != apex:
         tree[w].flow += -moved if (w >= n) == on_row_side else moved
         tree[w].size += size
         w = tree[w].parent
-    w = v
-    while w != leaving:
-        tree[w].flow += -moved if (w < n) == on_row_side else moved
-        w = tree[w].parent
-    w = tree[leaving].parent
+    w, lost = v, np.uint32(0)
     while w != apex:
         tree[w].flow += -moved if (w < n) == on_row_side else moved
-        tree[w].size -= size
+        tree[w].size -= lost
+        lost = size if w == leaving else lost
         w = tree[w].parent
     # Attach the subtree by the entering arc: the path from v up to the leaving arc is reversed.
     top, below, taken, flow = v, parent, np.uint32(0), moved + carried

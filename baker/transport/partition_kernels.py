@@ -68,21 +68,13 @@ def _select(values: Floats, order: Ints, begin: int, stop: int, middle: int) -> 
 
 
 @compiled
-def north_west_corner(supply: Masses, demand: Masses, plan: Coupling) -> Coupling:
+def north_west_corner(supply: Masses, demand: Masses, plan: Coupling, following: Ints) -> Coupling:
     """Distribute the mass of each pair of blocks to pairs of their points, in their order.
 
     supply, demand: (n,) and (m,) masses of the points, block after block. plan: (3, E) rows,
     columns and masses of pairs of blocks, sorted by row, then column, like the plan returned.
+    following: the first column of each block; it becomes the next one to receive mass.
     """
-    in_block = np.zeros(plan[1].max() + 1, np.int64)
-    for pair in range(plan.shape[1]):
-        in_block[plan[1, pair]] += plan[2, pair]
-    following, column = np.empty_like(in_block), 0  # of each block, the next point to receive mass
-    for block in range(len(in_block)):
-        following[block] = column
-        while in_block[block] > 0:
-            in_block[block] -= demand[column]
-            column += 1
     refined = np.empty((3, plan.shape[1] + len(supply) + len(demand)), np.int64)
     found, row, given, left = 0, 0, supply[0], demand.copy()
     for pair in range(plan.shape[1]):

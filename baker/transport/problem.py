@@ -35,7 +35,6 @@ class TransportOptions:
     feasible: bool = True  # Sinkhorn: add the pairs of feasible plans to the paper's support
     tolerance: float = 1e-3  # Sinkhorn: L1 error of the marginals at which iterations stop
     iterations: int = 2000  # Sinkhorn: most iterations
-    seed: int = 0  # of the directions of bisections
     workers: int = 1  # number of threads of the exact method; the plan does not depend on it
     overlap: bool = False  # exact: `overlap_masses` instead of `uniform_masses`
 

@@ -1,6 +1,6 @@
 """Regularised transport by Sinkhorn iterations on a sparse support (section 3.4, eqs. 2 to 5)."""
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,14 +26,6 @@ MIN_PROGRESS = 0.01  # relative decrease of the error that counts as progress
 MIN_MASS = 1e-12  # share of a point's mass below which a pair is dropped
 
 
-class Scaling(NamedTuple):
-    """The result of Sinkhorn's iterations; the column sums are exact up to rounding."""
-
-    mass: NDArray[np.float64]  # (E,) entries of T on the support
-    error: float  # L1 error of the row sums
-    iterations: int  # number of updates of both u and v
-
-
 def regularized_plan(
     start: Points, end: Points, options: TransportOptions
 ) -> tuple[Edges, Floats, tuple[str, ...]]:
@@ -46,14 +38,11 @@ def regularized_plan(
     source, target, support = _support(start, end, options)
     cost = costs(source, target, support, options.power)
     typical = float(np.median(cost) or cost.mean() or 1.0)  # most or all costs may be zero
-    scaling = sinkhorn_scaling(
-        support, cost / (options.gamma * typical), n, m,
-        options.tolerance, options.iterations, options.feasible,
-    )  # fmt: skip
-    error = scaling.error
-    note = f"stopped after {scaling.iterations} iterations at a marginal error of {error:.2g}"
+    in_gamma = cost / (options.gamma * typical)
+    mass, error, iterations = sinkhorn_scaling(support, in_gamma, n, m, options)
+    note = f"stopped after {iterations} iterations at a marginal error of {error:.2g}"
     notes = (note,) if error >= options.tolerance else ()
-    return *_drop_small(support, cost, scaling.mass, n, m), notes
+    return *_drop_small(support, cost, mass, n, m), notes
 
 
 def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Points, Points, Edges]:
@@ -66,19 +55,13 @@ def _support(start: Points, end: Points, options: TransportOptions) -> tuple[Poi
         # The plan is the same: the costs differ only by terms of the rows and of the columns.
         source, target = balanced
     masses = uniform_masses(len(start), len(end))
-    plans = [bisection_plan(*balanced, *masses, options.seed + i)[0] for i in range(FEASIBLE_PLANS)]
+    plans = [bisection_plan(*balanced, *masses, i)[0] for i in range(FEASIBLE_PLANS)]
     return source, target, union(nearest_pairs(source, target, options.neighbors), *plans)
 
 
 def sinkhorn_scaling(
-    support: Edges,
-    cost: NDArray[np.float64],
-    n: int,
-    m: int,
-    tolerance: float,
-    iterations: int,
-    feasible: bool = True,
-) -> Scaling:
+    support: Edges, cost: Floats, n: int, m: int, options: TransportOptions
+) -> tuple[Floats, float, int]:
     """Sinkhorn's iterations u = a / Kv, v = b / K'u with K = exp(-cost), a = 1 / n, b = 1 / m.
 
     Costs may be of any size: every 50 iterations, u and v are absorbed into potentials by one
@@ -86,7 +69,9 @@ def sinkhorn_scaling(
     the `tolerance` of the L1 error of the marginals. They are over-relaxed if all mass can be
     transported on the support (`feasible`); if not, they also end where they stall.
 
-    support: pairs sorted by row, with every row and column. cost: (E,) in units of gamma.
+    support: pairs sorted by row, with every row and column. cost: (E,) in units of gamma. Returns
+    the (E,) masses, whose column sums are exact up to rounding, the L1 error of the row sums, and
+    the number of updates of both u and v.
 
     References
     ----------
@@ -101,7 +86,7 @@ def sinkhorn_scaling(
     column_start = np.searchsorted(columns[by_column], np.arange(m))
     potential = np.zeros(m)
     errors: list[float] = []
-    done, relaxation = 0, OVER_RELAXATION if feasible else 1.0
+    done, relaxation = 0, OVER_RELAXATION if options.feasible else 1.0
     while True:
         row_potential = -np.log(n) - _log_sum_exp(potential[columns] - cost, rows, row_start)
         exponent = row_potential[rows] - cost
@@ -110,13 +95,14 @@ def sinkhorn_scaling(
         done += 1
         errors.append(float(np.abs(np.bincount(rows, mass, n) - 1.0 / n).sum()))
         before = errors[-1 - STALLED_BLOCKS] if len(errors) > STALLED_BLOCKS else np.inf
-        stalled = not feasible and errors[-1] > (1.0 - MIN_PROGRESS) * before
-        if errors[-1] < tolerance or done >= iterations or stalled:
-            return Scaling(mass, errors[-1], done)
+        stalled = not options.feasible and errors[-1] > (1.0 - MIN_PROGRESS) * before
+        if errors[-1] < options.tolerance or done >= options.iterations or stalled:
+            return mass, errors[-1], done
         if errors[-1] > 1.5 * min(errors):  # over-relaxation may diverge far from the solution
             relaxation = (1.0 + relaxation) / 2.0
         kernel = csr_matrix((mass, columns, np.append(row_start, len(rows))), shape=(n, m))
-        v, cheap = _iterate(kernel, min(CHEAP_ITERATIONS, iterations - done - 1), relaxation)
+        count = min(CHEAP_ITERATIONS, options.iterations - done - 1)
+        v, cheap = _iterate(kernel, count, relaxation)
         potential += np.log(v)
         done += cheap
 

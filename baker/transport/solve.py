@@ -70,7 +70,7 @@ def solve(start: Points, end: Points, options: TransportOptions | None = None) -
     return Plan(rows, columns, flow, cost, distance, float(sum(errors)), solver, notes)
 
 
-def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0) -> float:
+def wasserstein(start: Points, end: Points, *, samples: int = 256) -> float:
     """Compute the 2-Wasserstein distance of two segments.
 
     It is exact if both have at most `samples` points. Otherwise the Gaussian part is computed in
@@ -81,8 +81,8 @@ def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0
     Parameters
     ----------
     start, end : (n, 3) and (m, 3) float ndarray
-    samples, seed : int
-        Number of blocks, and the seed of the directions of bisections.
+    samples : int
+        Number of blocks.
 
     Returns
     -------
@@ -90,18 +90,17 @@ def wasserstein(start: Points, end: Points, *, samples: int = 256, seed: int = 0
         In the unit of the points.
     """
     start, end = np.asarray(start, np.float64), np.asarray(end, np.float64)
-    options = TransportOptions(seed=seed)
     if max(len(start), len(end)) <= samples:
-        return solve(start, end, options).distance
+        return solve(start, end).distance
     source, target = balance(start, end)
     gaussian_cost = explained_cost(start, end, source, target)
     sides = []
     for cloud, mass in zip((source, target), uniform_masses(len(start), len(end)), strict=True):
-        order = bisection_order(cloud, seed)[0]
+        order = bisection_order(cloud, 0)[0]
         sides.append(blocks(cloud[order], mass, samples))
     (rows, supply), (columns, demand) = sides
-    edges, mass = multiscale_plan(rows, columns, supply, demand, options)
-    remaining_cost = float(mass @ costs(rows, columns, edges, options.power) / supply.sum())
+    edges, mass = multiscale_plan(rows, columns, supply, demand, TransportOptions())
+    remaining_cost = float(mass @ costs(rows, columns, edges, power=2) / supply.sum())
     return max(gaussian_cost + remaining_cost, 0.0) ** 0.5
 
 

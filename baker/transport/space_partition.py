@@ -60,7 +60,9 @@ def refine_plan(supply: Masses, demand: Masses, plan: Coupling) -> Coupling:
     """
     from baker.transport.partition_kernels import north_west_corner
 
-    return north_west_corner(supply, demand, plan.take(np.lexsort(plan[1::-1]), axis=1))
+    demands = np.bincount(plan[1], plan[2])  # of the blocks; floats, but exact below 2 ** 53
+    first = np.searchsorted(np.cumsum(demand), np.cumsum(demands) - demands, side="right")
+    return north_west_corner(supply, demand, plan.take(np.lexsort(plan[1::-1]), axis=1), first)
 
 
 def bisection_plan(

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from baker.scans import Scan, Series
+from baker.scans.scan import Scan, Series
 
 
 def series_of(

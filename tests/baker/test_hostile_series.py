@@ -77,7 +77,7 @@ def test_any_series_bakes_truly_or_is_refused_by_name(tmp_path_factory, series):
 
 def test_marks_of_points_not_measured_are_dropped_and_noted(tmp_path):
     """1e30 and -1e38 stand in scans for "nothing there"."""
-    from baker.scans import read_series
+    from baker.scans.read import read_series
 
     for name in ("some 1e30", "some -1e38", "some infinite", "some NaN"):
         paths = Series((Scan(name, 100), Scan("plant", 100))).write(tmp_path)

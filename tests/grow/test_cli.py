@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from baker.scans import read_series
+from baker.scans.read import read_series
 from grow import formats, plant
 from grow.cli import main
 from grow.model import Cloud

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from baker.errors import InputError
-from baker.scans import read_series
+from baker.scans.read import read_series
 from baker.scans.rgbd.camera import Camera, read_camera
 from baker.scans.rgbd.depth_repair import repair
 from baker.scans.rgbd.images import read_depth, read_labels

@@ -7,12 +7,12 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from baker.alignment import align
 from baker.alignment.icp import fit_rigid
+from baker.alignment.register import align
 from baker.alignment.sample import even_sample
 from baker.alignment.up_axis_search import find_up
 from baker.geometry.up_axis import Vertical
-from baker.scans import read_series
+from baker.scans.read import read_series
 from tests.baker.series import series_of
 from tests.real.series import EXAMPLE, GROWN, SHARED, present
 

@@ -10,9 +10,9 @@ from scipy.spatial import cKDTree
 
 from baker.geometry.neighbors import nearest_neighbors
 from baker.options import Options
-from baker.scans import read_series
 from baker.scans.fields import choose_fields
 from baker.scans.formats import read_columns
+from baker.scans.read import read_series
 from baker.segmentation.label_cleaning import clean_labels
 from tests.real.series import EXAMPLE, GROWN, SHARED, labelled, present
 

@@ -36,11 +36,6 @@ class Convention:
         """Whether it hardly ever matches a number that is not a time."""
         return self.rank < WEAK_RANK
 
-    @property
-    def lacks_year(self) -> bool:
-        """Whether it reads months without a year."""
-        return {"m", "Y", "y"} & self.pattern.groupindex.keys() == {"m"}
-
 
 def read_moment(match: re.Match[str], default_year: str) -> Moment | None:
     """The moment that a match of a convention's pattern denotes; None if there is no such date."""

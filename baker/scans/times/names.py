@@ -102,7 +102,7 @@ def _readings(convention: Convention, texts: Sequence[str]) -> Iterator[Reading]
         for year in DEFAULT_YEARS:
             moments = tuple(filter(None, (read_moment(match, year) for match in matches)))
             if len(moments) == len(texts):
-                if convention.lacks_year:
+                if {"m", "Y", "y"} & convention.pattern.groupindex.keys() == {"m"}:  # no year
                     moments = _across_new_year(moments)
                 yield Reading(moments, tuple(match.span() for match in matches), convention)
                 break

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from baker.alignment import Alignment, align, frames
+from baker.alignment import frames
+from baker.alignment.register import Alignment, align
 from baker.alignment.sample import even_sample
 from baker.alignment.yaw import YAWS, YawFit
 from tests.baker.series import series_of

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.alignment import align
+from baker.alignment.register import align
 from baker.geometry.up_axis import Vertical
 from tests.baker.series import series_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from baker.alignment import align
+from baker.alignment.register import align
 from baker.alignment.sample import even_sample
 from baker.alignment.stem_base import base_point, named_base, stem_labels
 from baker.errors import InputError

@@ -6,7 +6,7 @@ import pytest
 
 from baker.batch.command import finding_lines
 from baker.cli import main
-from baker.scans import Finding
+from baker.scans.scan import Finding
 
 
 def test_a_doubt_names_the_option_that_settles_it():

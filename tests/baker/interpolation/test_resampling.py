@@ -8,12 +8,15 @@ import pytest
 from baker import Options, bake
 from baker.interpolation.movers import mid_area
 from baker.interpolation.packing import Movers, elevate_degree
-from baker.interpolation.resampling import (
-    MAX_OVERHANG,
-    position_at,
-    with_even_density,
-)
+from baker.interpolation.resampling import MAX_OVERHANG, with_even_density
 from gclip import Motion
+from gclip.evaluate import bernstein
+
+
+def middles(curve):
+    """The positions at mid-interval."""
+    weights = bernstein(len(curve) - 1, 0.5)
+    return sum(weight * points for weight, points in zip(weights, curve, strict=True))
 
 
 def filled(movers, area, growth, start_points=None, end_points=None):
@@ -60,7 +63,7 @@ def test_added_movers_share_the_ends_of_another_and_leave_it_between(stem_and_le
     start, _, end = (points[movers.tracks == 1] for points in movers.curve)
     ends = {(*a, *b) for a, b in zip(start.tolist(), end.tolist(), strict=True)}
     assert len(ends) == 300
-    assert len(np.unique(position_at(movers.curve, 0.5), axis=0)) == len(movers)
+    assert len(np.unique(middles(movers.curve), axis=0)) == len(movers)
 
 
 def test_even_movers_stay_as_they_are(stem_and_leaf):
@@ -83,7 +86,7 @@ def test_movers_of_one_point_spread_out_from_their_mean():
     area = np.r_[np.ones(6), 9 * np.ones(18)]
     more = filled(movers, area, 1.0, start_points=np.zeros(count, int))
     assert len(more) > count
-    middle = position_at(more.curve, 0.5)
+    middle = middles(more.curve)
     assert np.abs(middle[:count, 0] - 0.5).max() == 0.5
     assert 0.5 < np.abs(middle[:, 0] - 0.5).max() <= 1.0 + 1e-12
     assert np.abs(middle[:, 1:]).max() == 0.0
@@ -97,7 +100,7 @@ def test_no_addition_runs_far_ahead_of_a_tip():
     area = np.r_[np.ones(6), 9 * np.ones(18)]
     more = filled(movers, area / 100, 1.0, start_points=np.zeros(count, int))
     assert len(more) > count
-    assert position_at(more.curve, 0.5)[:, 0].max() <= 1.0 + MAX_OVERHANG * 0.3 + 1e-12
+    assert middles(more.curve)[:, 0].max() <= 1.0 + MAX_OVERHANG * 0.3 + 1e-12
 
 
 def test_additions_of_what_is_born_stay_with_it(tmp_path):
@@ -126,10 +129,8 @@ def test_a_bud_has_no_area():
 @pytest.mark.parametrize("degree", [2, 3])
 def test_raised_curves_are_the_same_curves(degree):
     curve = (np.float32([[0, 0, 0]]), np.float32([[2, 4, 6]]))
-    assert position_at(elevate_degree(curve, degree), 0.5) == pytest.approx(position_at(curve, 0.5))
-    assert position_at(elevate_degree(elevate_degree(curve, 2), 3), 0.5) == pytest.approx(
-        position_at(curve, 0.5)
-    )
+    assert middles(elevate_degree(curve, degree)) == pytest.approx(middles(curve))
+    assert middles(elevate_degree(elevate_degree(curve, 2), 3)) == pytest.approx(middles(curve))
 
 
 @pytest.mark.parametrize("even", [0.0, 1.0])

@@ -6,6 +6,7 @@ import pytest
 from baker.errors import InputError
 from baker.matching.corrections import PointCorrection
 from baker.matching.labels import MIN_AGREEMENT, label_agreement, label_policy, with_tracked_labels
+from tests.baker.series import series_of
 
 
 def growing_plant(day: int, rng: np.random.Generator):
@@ -29,12 +30,15 @@ def series():
     return [points for points, _ in scans], [labels for _, labels in scans]
 
 
+def policy(clouds, labels, requested):
+    return label_policy(series_of(clouds, labels), clouds, [0] * len(clouds), requested)
+
+
 def tracked(clouds, labels, requested="independent", corrections=()):
     """Each point's track, the labels being numbered anew in every scan."""
-    bases, names = [0] * len(clouds), [f"scan {k}" for k in range(len(clouds))]
-    use = label_policy(labels, names, clouds, bases, requested)
+    use = policy(clouds, labels, requested)
     assert not use.consistent
-    use = with_tracked_labels(use, clouds, labels, bases, corrections)
+    use = with_tracked_labels(use, clouds, labels, [0] * len(clouds), corrections)
     assert use.consistent
     assert use.renamed
     return use.labels
@@ -77,14 +81,14 @@ def test_agreement_is_measured_against_chance(series):
 def test_one_wrong_scan_does_not_outvote_the_others(series):
     clouds, truth = series
     numbers = [truth[0], truth[1], np.array([2, 0, 1, 3, 4, 5])[truth[2]], *truth[3:]]
-    assert label_policy(numbers, "abcde", clouds, [0] * 5, "auto").consistent
+    assert policy(clouds, numbers, "auto").consistent
 
 
 def test_scans_without_labels_get_those_of_their_tracks(series):
     clouds, truth = series
     bases, numbers = [0] * len(clouds), [labels * 10 for labels in truth]
     given = [numbers[0], None, numbers[2], None, numbers[4]]
-    use = label_policy(given, "abcde", clouds, bases, "auto")
+    use = policy(clouds, given, "auto")
     assert use.consistent
     assert "found by shape in 2 of 5 scans" in use.findings[0].sentence
     own = [given[k] if given[k] is not None else truth[k] + 7 for k in range(5)]
@@ -127,15 +131,14 @@ def test_parts_that_were_cut_by_hand_or_found_by_shape_stay_apart(series):
 
 def test_the_policy_says_why(series):
     clouds, truth = series
-    bases, names = [0] * len(clouds), [f"day {k}" for k in range(len(clouds))]
-    assert label_policy(truth, names, clouds, bases, "auto").consistent
+    assert policy(clouds, truth, "auto").consistent
     turned = [(labels + k) % (labels.max() + 1) for k, labels in enumerate(truth)]
-    assert not label_policy(turned, names, clouds, bases, "auto").consistent
-    assert label_policy(turned, names, clouds, bases, "consistent").consistent
-    assert not label_policy(truth, names, clouds, bases, "ignore").available
-    assert not label_policy([None] * 5, names, clouds, bases, "auto").available
+    assert not policy(clouds, turned, "auto").consistent
+    assert policy(clouds, turned, "consistent").consistent
+    assert not policy(clouds, truth, "ignore").available
+    assert not policy(clouds, [None] * 5, "auto").available
     with pytest.raises(InputError, match="have no labels"):
-        label_policy([None] * 5, names, clouds, bases, "consistent")
-    points, many = [np.arange(1001) for _ in names], [np.eye(3)[np.zeros(1001, int)] for _ in names]
+        policy(clouds, [None] * 5, "consistent")
+    many, points = [np.arange(1001)] * 5, [np.eye(3)[np.zeros(1001, int)]] * 5
     with pytest.raises(InputError, match="different labels"):
-        label_policy(points, names, many, bases, "auto")
+        policy(points, many, "auto")

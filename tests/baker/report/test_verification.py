@@ -12,23 +12,37 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from baker import InputError, Options
-from baker.alignment.keyframes import held_out_scans
+from baker.alignment.keyframes import Keyframe, hold_out
 from baker.pipeline import bake_with_survey
+from tests.baker.series import series_of
 from traits.holdout_error import overall, verify
 
 PLAIN = Options(align="none", up="z", paths="straight", workers=1)
 
 
+def left_out(scans: int, every: int | None) -> list[int]:
+    """The numbers of the scans that are left out."""
+    series = series_of(np.zeros((scans, 1, 3)))
+    keyframes = [Keyframe(scan.points, None) for scan in series.scans]
+    rest, _, held_out = hold_out(series, keyframes, every)
+    assert len(rest.scans) + len(held_out) == scans
+    return [int(scan.time) for scan in held_out]
+
+
 def test_every_second_scan_is_left_out_as_in_the_paper():
-    assert held_out_scans(9, 2) == (1, 3, 5, 7)
-    assert held_out_scans(10, 2) == (1, 3, 5, 7)
-    assert held_out_scans(9, 3) == (2, 5)
-    assert held_out_scans(9, None) == ()
+    assert left_out(9, 2) == [1, 3, 5, 7]
+    assert left_out(10, 2) == [1, 3, 5, 7]
+    assert left_out(9, 3) == [2, 5]
+    assert left_out(9, None) == []
 
 
 @given(st.integers(2, 200), st.integers(2, 20))
 def test_the_first_and_the_last_scan_always_stay(scans, every):
-    numbers = held_out_scans(scans, every)
+    if every >= scans:
+        with pytest.raises(InputError, match="leaves none of the"):
+            left_out(scans, every)
+        return
+    numbers = left_out(scans, every)
     assert {0, scans - 1}.isdisjoint(numbers)
     assert set(numbers) == {k for k in range(scans - 1) if (k + 1) % every == 0}
 

@@ -12,8 +12,8 @@ import pytest
 
 from baker import InputError, Options
 from baker.cli import main
-from baker.scans import read_series
 from baker.scans.child_process import ChildEnded, ChildProcess
+from baker.scans.read import read_series
 from tests.baker.conftest import write_las
 
 ROOM = 1 << 30

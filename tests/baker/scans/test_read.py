@@ -8,7 +8,7 @@ import pytest
 
 from baker.errors import InputError
 from baker.options import Options
-from baker.scans import read_series
+from baker.scans.read import read_series
 
 
 @pytest.fixture

@@ -3,6 +3,7 @@
 import numpy as np
 from scipy.spatial.distance import cdist
 
+from baker.geometry.graph import segment_gaps
 from baker.matching.match import chain_matches, match_by_label
 from baker.segmentation.from_labels import hierarchy_from_labels
 from baker.transport.tasks import interval_tasks
@@ -15,7 +16,7 @@ LEAFLET = np.linspace([2, 0.01, 8], [2, 3, 8], 100)
 def scan(*organs):
     points = np.concatenate([cloud for _, cloud in organs])
     labels = np.repeat([label for label, _ in organs], [len(cloud) for _, cloud in organs])
-    return points, hierarchy_from_labels(points, labels, 0)
+    return points, hierarchy_from_labels(labels, 0, segment_gaps(points, labels))
 
 
 def tasks_between(first, second, **options):

@@ -7,7 +7,7 @@ import pytest
 
 import gclip
 from baker.cli import main
-from baker.scans import read_series
+from baker.scans.read import read_series
 from grow.images import ImagePlan, write_images
 
 

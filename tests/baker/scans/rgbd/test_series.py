@@ -10,7 +10,7 @@ from PIL import Image
 
 from baker.errors import InputError
 from baker.options import Options
-from baker.scans import read_series
+from baker.scans.read import read_series
 
 CAMERA = "fx = 100.0\nfy = 120.0\ncx = 20.0\ncy = 14.5\n"
 SIZE = (30, 40)
