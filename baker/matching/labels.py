@@ -56,25 +56,13 @@ def label_policy(
 ) -> LabelUse:
     """Decide how the labels of the scans are used.
 
-    Parameters
-    ----------
-    series : Series
-    clouds : sequence of (N, 3) float ndarray
-        The aligned scans.
-    root_points : sequence of int
-        Index of the point at the plant base, for each scan.
-    requested : {"auto", "consistent", "independent", "ignore"}
-        With "auto", labels are consistent if their `label_agreement` is high.
+    clouds, root_points: (N, 3) points of each aligned scan, and the index of that at the plant
+    base. requested: "auto", "consistent", "independent" or "ignore"; with "auto", labels are
+    consistent if their `label_agreement` is high. Independent labels are left unchanged;
+    `with_tracked_labels` makes them consistent.
 
-    Returns
-    -------
-    LabelUse
-        Independent labels are left unchanged; `with_tracked_labels` makes them consistent.
-
-    Raises
-    ------
-    InputError
-        If labels are requested but no scan has any, or a scan has more than `MAX_ORGANS`.
+    Raises InputError if labels are requested but no scan has any, or a scan has more than
+    `MAX_ORGANS`.
     """
     labels = [scan.labels for scan in series.scans]
     labelled_scans = [k for k, organs in enumerate(labels) if organs is not None]

@@ -22,17 +22,9 @@ def find_scans(inputs: Sequence[Path], times_file: Path | None = None) -> tuple[
     ignored; so are meshes and arrays where there are two or more point clouds, and files without a
     number in their names beside numbered ones of another suffix.
 
-    Parameters
-    ----------
-    inputs : sequence of Path
-    times_file : Path, optional
-        The file that lists the scans and their times. Without it, the names in a folder must show
-        that its files are one series.
-
-    Raises
-    ------
-    InputError
-        If a path does not exist or is not a scan, or there are fewer than two scans.
+    times_file: lists the scans and their times. Without it, the names in a folder must show that
+    its files are one series. Raises InputError if a path does not exist or is not a scan, or there
+    are fewer than two scans.
     """
     if not inputs:
         raise InputError("No scans given: name a folder of scans, or the scans' files in order.")

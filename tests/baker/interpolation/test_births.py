@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from baker import Options, bake
 
@@ -41,3 +42,24 @@ def test_straight_paths_stay_straight(tmp_path):
     clip = bake([tmp_path], Options(paths="straight", **FIXED))
     assert {interval.degree for interval in clip.intervals} == {1}
     assert reach(clip, 0.5) == pytest.approx(2, rel=0.1)
+
+
+@pytest.mark.parametrize("lean", [0.0, 50.0])
+def test_an_organ_unfolds_from_the_tissue_that_it_grows_on(tmp_path, lean):
+    """Which is the top of the stem, wherever that leans."""
+    rng = np.random.default_rng(0)
+    stem = np.c_[0.3 * rng.normal(size=(900, 2)), 20 * rng.random(900)]
+    leaf = np.c_[6 * rng.random(600), 1.5 * rng.normal(size=600), np.full(600, 20.0)]
+    angle = np.radians(lean)
+    rotation = [[np.cos(angle), 0, -np.sin(angle)], [0, 1, 0], [np.sin(angle), 0, np.cos(angle)]]
+    for day, organs in enumerate(([stem], [stem @ rotation, leaf @ rotation])):
+        table = np.c_[
+            np.concatenate(organs), np.repeat([0, 1], [900, 600])[: sum(map(len, organs))]
+        ]
+        np.savetxt(tmp_path / f"day{day}.txt", table, fmt="%.5f %.5f %.5f %d")
+    clip = bake([tmp_path], Options(**FIXED))
+    bud = clip.at(1e-6)
+    assert bud.local[bud.tracks == 1][:, 2].min() > 18.0
+    middle = clip.at(0.5)
+    on_stem, on_leaf = (middle.local[middle.tracks == track] for track in (0, 1))
+    assert cKDTree(on_stem).query(on_leaf)[0].min() < 0.5

@@ -3,7 +3,6 @@
 import pickle
 import threading
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -99,7 +98,8 @@ def test_the_threads_of_earlier_stages_end_before_the_transport(write_scans):
 def test_small_organs_are_solved_in_one_batch(sizes, workers):
     """Which has at most half of a thread's share of the points, and comes after the largest."""
     tasks = [Task("match", k, np.arange(size), np.arange(0)) for k, size in enumerate(sizes)]
-    first, small, *others = _batches(SimpleNamespace(tasks=tasks), workers)
+    batches = _batches(tasks, workers)
+    first, small, *others = ([task.organ for task in batch] for batch in batches)
     assert sorted([*first, *small, *(k for batch in others for k in batch)]) == [*range(len(sizes))]
     large = [sizes[k] for (k,) in [first, *others]]
     assert large == sorted(large, reverse=True)

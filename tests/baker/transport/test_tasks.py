@@ -37,23 +37,24 @@ def test_every_point_has_a_task():
 
 def test_a_bud_lies_at_the_attachment_and_has_one_percent_of_the_parent():
     tasks = tasks_between(scan((0, STEM)), scan((0, STEM), (1, LEAF)))
-    bud = next(t.start for t in tasks if t.event == "birth")
+    bud = next(t.origin[1] for t in tasks if t.event == "birth")
     assert len(bud) == 20
     assert np.abs(STEM[bud] - [0, 0, 7]).max() < 0.2
 
 
 def test_a_whole_new_subtree_unfolds_from_one_bud():
     tasks = tasks_between(scan((0, STEM)), scan((0, STEM), (1, LEAF), (2, LEAFLET)))
-    buds = {t.organ: t.start for t in tasks if t.event == "birth"}
+    buds = {t.organ: t.origin[1] for t in tasks if t.event == "birth"}
     assert np.array_equal(buds[1], buds[2])
+    assert [t.origin[0] for t in tasks if t.event == "birth"] == [0, 0]
 
 
 def test_a_bud_on_a_small_parent_has_at_least_three_points_or_all():
     tiny = STEM[:300:150]
     tasks = tasks_between(scan((0, tiny)), scan((0, tiny), (1, LEAF)))
-    assert len(next(t.start for t in tasks if t.event == "birth")) == len(tiny)
+    assert len(next(t.origin[1] for t in tasks if t.event == "birth")) == len(tiny)
     tasks = tasks_between(scan((0, STEM[::10])), scan((0, STEM[::10]), (1, LEAF)))
-    assert len(next(t.start for t in tasks if t.event == "birth")) == 3
+    assert len(next(t.origin[1] for t in tasks if t.event == "birth")) == 3
 
 
 def test_the_papers_own_buds_are_what_lies_nearest_to_the_new_organ():
@@ -68,7 +69,7 @@ def test_no_point_of_the_bud_lies_at_the_tip_of_the_new_organ():
     at_tip = LEAF[-6:] + 0.001  # points of the stem, nearer to the leaf than its other ones
     stem = np.concatenate([STEM, at_tip])
     tasks = tasks_between(scan((0, stem)), scan((0, stem), (1, LEAF)))
-    bud = next(t.start for t in tasks if t.event == "birth")
+    bud = next(t.origin[1] for t in tasks if t.event == "birth")
     assert len(bud) == 20
     assert np.abs(stem[bud] - [0, 0, 7]).max() < 0.2
 
@@ -81,4 +82,4 @@ def test_the_papers_own_buds_have_ten_points_at_least():
 
 def test_a_small_organ_unfolds_from_few_points():
     small = scan((0, STEM)), scan((0, STEM), (1, LEAF[::5]))
-    assert len(next(t.start for t in tasks_between(*small) if t.event == "birth")) == 6
+    assert len(next(t.origin[1] for t in tasks_between(*small) if t.event == "birth")) == 6
