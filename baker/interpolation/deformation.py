@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.sampling import farthest_point_sample
-from baker.interpolation.roll import Sections, spine_rotations
+from baker.interpolation.roll import elongations, roll, spine_frames
 from baker.interpolation.spine import NODE_POSITIONS, Points, Spine, interpolate_nodes, unit
 
 # docs/method.md, "Motion of organs".
@@ -36,8 +36,8 @@ def spine_deformation(
     """Move the (n, 3) points of an organ from one spine to the other, with their offsets from it.
 
     The order of points, and of landmarks near the spine, is kept along it. The offsets are scaled
-    like the radius of the (m, 3) target, and rotated by `spine_rotations`; an organ that others
-    grow on, such as a stem, does not roll about its spine.
+    like the radius of the (m, 3) target, and rotated from the frames of one spine to those of the
+    other. An organ that others grow on, such as a stem, does not roll about its spine.
     """
     offsets = source - interpolate_nodes(before.nodes, before.along)
     target_offsets = target - interpolate_nodes(after.nodes, after.along)
@@ -48,11 +48,13 @@ def spine_deformation(
     knots = _landmark_levels(before.along[i], after.along[j])
     levels = np.interp(NODE_POSITIONS, *knots)
     centers = interpolate_nodes(after.nodes, np.interp(before.along, *knots))
-    sections = Sections(before.tangents, NODE_POSITIONS, offsets, before.along)
-    tangents = unit(interpolate_nodes(after.tangents, levels))
-    target_sections = Sections(tangents, levels, target_offsets, after.along)
-    rotations = spine_rotations(sections, target_sections, has_roll=not len(landmarks[0]))
-    rotations = interpolate_nodes(rotations, before.along)
+    frames, end_frames = spine_frames(
+        before.tangents, unit(interpolate_nodes(after.tangents, levels))
+    )
+    if not len(landmarks[0]):
+        first = elongations(frames, NODE_POSITIONS, offsets, before.along)
+        end_frames @= roll(first, elongations(end_frames, levels, target_offsets, after.along))
+    rotations = interpolate_nodes(end_frames @ frames.transpose(0, 2, 1), before.along)
     radii = [np.sqrt((distance**2).mean()) for distance in distances]
     width = np.clip(radii[1] / max(radii[0], 1e-30), 1 / MAX_WIDENING, MAX_WIDENING)
     return centers + width * np.einsum("nij,nj->ni", rotations, offsets)
