@@ -64,13 +64,8 @@ class Hierarchy:
 def split_by_label(labels: NDArray[np.integer]) -> tuple[list[int], list[NDArray[np.intp]]]:
     """Group (N,) points by their labels.
 
-    Returns
-    -------
-    labels : list of int
-        The distinct labels in ascending order.
-    members : list of (n,) intp ndarray
-        The indices of the points with each label, ascending. Equivalent to
-        ``[np.flatnonzero(labels == label) for label in np.unique(labels)]``.
+    Returns the distinct labels in ascending order and, for each one, the ascending (n,) indices of
+    its points: ``[np.flatnonzero(labels == label) for label in np.unique(labels)]``.
     """
     distinct, index = np.unique(labels, return_inverse=True)
     kind = np.int16 if len(distinct) <= 2**15 else np.int64  # the former sorts 4 times as fast

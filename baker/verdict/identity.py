@@ -18,7 +18,7 @@ from traits.doubts import Doubt
 # pairing has to be better, as it is in 3 of 157 real intervals, and if two labels are exchanged.
 MIN_MARGIN, MIN_MARGIN_OF_LABELS = 0.2, -0.5
 MAX_SAMPLE = 10_000  # number of points of a scan by which its organs are described
-MAX_GROWTH, MAX_SHRINKAGE = 6.0, 3.0  # of an organ's size relative to the plant's other organs
+MAX_GROWTH, MAX_SHRINKAGE = 4.0, 3.0  # of an organ's size relative to the plant's other organs
 MIN_SIZE = 1e-3  # relative size, so that growth is finite
 
 

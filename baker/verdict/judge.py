@@ -29,8 +29,10 @@ def judge_clip(
     """
     names = ["the stem" if organ.kind == "stem" else organ.name for organ in clip.track_table]
 
+    parents = [organ.parent for organ in clip.track_table]
+
     def doubts_in(index: int, job: IntervalJob) -> list[Doubt]:
-        motions = doubtful_motions(clip.intervals[index], job.attachments, names)
+        motions = doubtful_motions(clip.intervals[index], job.attachments, names, parents)
         confirmed_labels = {label for interval, label in confirmed if interval == index}
         return [*motions, *doubtful_identities(job, names, confirmed_labels, labels.are_names)]
 

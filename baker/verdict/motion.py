@@ -17,8 +17,8 @@ from gclip.evaluate import positions_on_curve
 from traits.doubts import Doubt
 
 # Beyond these thresholds the motion of an organ is doubtful (docs/method.md, "The verdict").
-MAX_TORN_SHARE, MIN_ORDER_CORRELATION = 0.05, 0.5
-SAMPLE_SIZE = 400  # number of movers of an organ that are examined
+MAX_TORN_SHARE, MIN_ORDER_CORRELATION, MAX_DETACHMENT = 0.05, 0.5, 0.1
+SAMPLE_SIZE, PARENT_SAMPLE_SIZE = 400, 2000  # number of movers that are examined
 MIN_POINTS = 60  # of an organ in both scans, to be judged
 NEIGHBORS, NEIGHBOR_DISTANCE = 6, 2.5  # most neighbours of a point; point spacings to them
 # Neighbours in one scan are torn if their distance in the other is larger than both.
@@ -27,11 +27,14 @@ GRAPH_NEIGHBORS = 12  # of a point in the kNN graph for geodesic distances
 
 
 def doubtful_motions(
-    interval: Interval, attachments: tuple[Attachments, Attachments], names: Sequence[str]
+    interval: Interval,
+    attachments: tuple[Attachments, Attachments],
+    names: Sequence[str],
+    parents: Sequence[int | None],
 ) -> Iterator[Doubt]:
     """Yield a doubt about the motion of each large organ that is matched and moves wrongly.
 
-    attachments: in the first and in the second scan. names: of the organs, by track id.
+    attachments: in the first and in the second scan. names, parents: of the organs, by track id.
     """
     stop = max((g.stop for g in interval.groups if g.motion is Motion.MOVE), default=0)
     tracks = np.asarray(interval.tracks[:stop])
@@ -43,11 +46,26 @@ def doubtful_motions(
         sample: Any = movers[np.arange(size) * len(movers) // size]
         ends = np.stack([positions_on_curve(interval, sample, u) for u in (0.0, 1.0)])
         contacts = [side[track] for side in attachments if track in side]
-        faults = motion_faults(ends.astype(float), contacts)
+        faults = [*motion_faults(ends.astype(float), contacts)]
+        others = np.flatnonzero(tracks == parents[track])
+        if faults and len(others):
+            others = others[:: max(1, len(others) // PARENT_SAMPLE_SIZE)]
+            faults.append(("{} comes off", detachment(interval, sample, others) / MAX_DETACHMENT))
         clause, strength = max(faults, key=lambda fault: fault[1], default=("", 0.0))
         if strength >= 1.0:
             what = clause.format(names[track])
             yield Doubt(interval.start, interval.end, track, what, strength)
+
+
+def detachment(interval: Interval, organ: Any, parent: Any) -> float:
+    """By how much the movers of an organ are farther from its parent at mid-interval, in sizes."""
+    from scipy.spatial import cKDTree
+
+    gaps = []
+    for share in (0.5, 0.0, 1.0):
+        points, others = (positions_on_curve(interval, side, share) for side in (organ, parent))
+        gaps.append(float(cKDTree(others).query(points)[0].min()))
+    return (gaps[0] - max(gaps[1:])) / max(float(np.sqrt(points.var(axis=0).sum())), 1e-30)
 
 
 def motion_faults(ends: Points, attachments: Sequence[Points]) -> Iterator[tuple[str, float]]:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from baker import Options, bake
 from baker.verdict.motion import motion_faults, order_correlation
+from traits.doubts import doubts_of
 
 BASE = np.array([[0.0, 0.0, 0.0], [0.0, 2.0, 0.0]])
 
@@ -65,3 +67,19 @@ def test_few_points_tell_nothing(leaf, count):
 
 def test_what_unfolds_from_few_points_is_not_judged(leaf):
     assert not faults(moved(leaf[np.arange(400) % 10], leaf))
+
+
+@pytest.mark.parametrize("petiole", [0, 1])
+def test_a_leaf_whose_petiole_becomes_stem_comes_off(tmp_path, petiole):
+    """It draws back along its petiole, towards which the stem grows."""
+    rng = np.random.default_rng(0)
+    for day in range(2):
+        rods = (900, [0, 0, 0], [0, 0, 60]), (400, [0, 0, 40], [30, 0, 40])
+        parts = [start + rng.random((n, 1)) * np.subtract(end, start) for n, start, end in rods]
+        blade = rng.random((900, 3)) * [30, 16, 0.1] + [30, -8, 40]
+        points = np.concatenate([*parts, blade]) + rng.normal(0, 0.3, (2200, 3))
+        labels = np.repeat([0, 1 if day == 0 else petiole, 1], [900, 400, 900])
+        np.savetxt(tmp_path / f"day{day}.txt", np.c_[points, labels])
+    clip = bake([tmp_path], Options(align="none", up="z", labels="consistent"))
+    found = [doubt.what for doubt in doubts_of(clip)]
+    assert found == ["leaf 1 comes off"] * (petiole == 0)
