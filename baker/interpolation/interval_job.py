@@ -168,7 +168,6 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         sides = (match.first, match.second), job.bases, job.attachments, matched
         shapes = list(map(organ_shapes, clouds, *sides))
     total = sum(task.size for task in job.tasks)
-
     solved: dict[int, OrganPaths] = {}  # track id of an organ -> its paths
 
     def solve(task: Task) -> OrganPaths:
@@ -182,10 +181,10 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
             motion, parts = _register_organ(start, end, *(side[task.organ] for side in shapes))
         threads = workers if task.size * workers > total else 1
         plan = correspond(start, end, replace(job.transport, workers=threads), parts)
-        paths, origin = OrganPaths(task, plan), start.take(plan.rows, axis=0)
+        paths, sources = OrganPaths(task, plan), start.take(plan.rows, axis=0)
         if timing := job.timings.get(task.organ):
             target = end.take(plan.columns, axis=0)
-            paths = replace(paths, deviation=timing.shift(origin, target))
+            paths = replace(paths, deviation=timing.shift(sources, target))
         if motion is None or not job.is_curved or task.organ == scan.organs[scan.root]:
             return paths
         deviation = paths.deviation + motion.deviation(start).take(plan.rows, axis=0)
