@@ -173,7 +173,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
     def solve(task: Task) -> OrganPaths:
         if task.origin:
             parent, contact = task.origin
-            task = replace(task, start=solved[parent].starts_of(contact))
+            task = replace(task, start=solved[parent].bud(contact, clouds[0]))
         start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
         motion: OrganMotion | None = None
         parts: Sequence[LeafletPair] = ()

@@ -31,10 +31,18 @@ class OrganPaths:
     deviation: Floats | float = 0.0  # (M, 3) from straight paths at mid-interval
     child_deviations: Mapping[int, Floats] = field(default_factory=dict)  # organ -> (3,)
 
-    def starts_of(self, ends: Indices) -> NDArray[np.intp]:
-        """The points of the first scan where movers start that end at points of the second."""
-        is_chosen = np.isin(self.task.end[self.plan.columns], ends)
-        return np.unique(self.task.start[self.plan.rows[is_chosen]])
+    def bud(self, contact: Indices, points: Floats) -> NDArray[np.intp]:
+        """As many points of the first scan, close together, as are in a contact of the second one.
+
+        They are around the middle of the movers' starts that end in the contact, since some of
+        these may be far away. points: (N, 3) of the first scan.
+        """
+        is_chosen = np.isin(self.task.end[self.plan.columns], contact)
+        starts = points.take(self.task.start[self.plan.rows[is_chosen]], axis=0)
+        from_median = ((starts - np.median(starts, axis=0)) ** 2).sum(axis=1)
+        offsets = points.take(self.task.start, axis=0) - starts[from_median.argmin()]
+        nearest = np.argsort((offsets**2).sum(axis=1), kind="stable")[: len(contact)]
+        return self.task.start[np.sort(nearest)]
 
     @property
     def pair(self) -> SegmentPair:

@@ -26,7 +26,7 @@ FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # to which the stretch
 MAX_LOG_STRETCH = 2.0  # to which outliers are clipped
 POINTS_COMPARED = 100  # number of points of an organ at which the stretch is measured
 NEIGHBORS = 4  # number of points of the sample from which other points are interpolated
-MAX_WIDENING = 2.0  # greatest factor on cross-sections at mid-interval
+MAX_WIDENING = 1.25  # greatest factor on cross-sections at mid-interval
 MIN_COSINE = -0.9  # between the directions of a piece of the spine in both scans
 
 

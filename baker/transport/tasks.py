@@ -94,11 +94,7 @@ def _attachment_points(
     ancestor: int | None,
     top: int,
 ) -> NDArray[np.intp]:
-    """The points of the segment `ancestor` of a scan that are nearest to the new segment `top`.
-
-    Unless `paper`, stray points are left out: of twice as many, those in their middle are chosen.
-    scan: 0 or 1, for the first or the second one.
-    """
+    """The points of the segment `ancestor` of scan 0 or 1 that are nearest to the new segment."""
     from scipy.spatial import cKDTree
 
     cloud, hierarchy = points[scan], (match.first, match.second)[scan]
@@ -109,14 +105,10 @@ def _attachment_points(
         if not paper:
             least, share = MIN_ATTACHMENT_POINTS, min(share, ORGAN_SHARE * len(organ))
         count = max(least, round(min(share, MAX_ATTACHMENT_POINTS)))
-    near_count = count if paper else 2 * count
     tree = cKDTree(points[1].take(organ, axis=0), balanced_tree=False)
     # A sample gives an upper bound of the distances, which makes the query faster.
-    sample = members[:: max(1, len(members) // (SAMPLE_RATIO * near_count))]
-    nearest = np.sort(tree.query(cloud.take(sample, axis=0))[0])[:near_count]
+    sample = members[:: max(1, len(members) // (SAMPLE_RATIO * count))]
+    nearest = np.sort(tree.query(cloud.take(sample, axis=0))[0])[:count]
     bound = 1.000001 * float(nearest[-1]) or np.inf
     distances, _ = tree.query(cloud.take(members, axis=0), distance_upper_bound=bound)
-    near = members[np.argsort(distances, kind="stable")[:near_count]]
-    start = cloud.take(near, axis=0)
-    from_middle = ((start - np.median(start, axis=0)) ** 2).sum(axis=1)
-    return near[np.sort(np.argsort(from_middle, kind="stable")[:count])]
+    return members[np.argsort(distances, kind="stable")[:count]]

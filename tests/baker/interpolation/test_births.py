@@ -7,6 +7,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from baker import Options, bake
+from baker.interpolation.movers import OrganPaths
+from baker.transport.correspondences import Correspondences
+from baker.transport.tasks import Task
 
 FIXED = {"align": "none", "up": "z", "labels": "consistent", "even": 0.0}
 
@@ -63,3 +66,28 @@ def test_an_organ_unfolds_from_the_tissue_that_it_grows_on(tmp_path, lean):
     middle = clip.at(0.5)
     on_stem, on_leaf = (middle.local[middle.tracks == track] for track in (0, 1))
     assert cKDTree(on_stem).query(on_leaf)[0].min() < 0.5
+
+
+def test_no_point_of_a_bud_lies_at_the_tip_of_the_new_organ(tmp_path):
+    """Where stray points have the parent's label, in both scans."""
+    rng = np.random.default_rng(0)
+    stem, strays = rng.random((2000, 3)) * [0.2, 0.2, 10], rng.random((6, 3)) * 0.2 + [4, 0, 8]
+    leaf = rng.random((800, 3)) * [4, 0.5, 0.1] + [0.2, 0, 8]
+    for day, organs in enumerate(([stem, strays], [stem, strays, leaf])):
+        labels = np.repeat([0, 1], [2006, 800])[: sum(map(len, organs))]
+        table = np.c_[np.concatenate(organs), labels]
+        np.savetxt(tmp_path / f"day{day}.txt", table, fmt="%.5f %.5f %.5f %d")
+    bud = bake([tmp_path], Options(**FIXED)).at(1e-6)
+    assert bud.local[bud.tracks == 1][:, 0].max() < 1.0
+
+
+def test_a_bud_is_in_one_place_though_movers_that_end_there_start_apart():
+    points = np.random.default_rng(0).random((300, 3)) * [1, 1, 30]
+    task = Task("match", 0, np.arange(300), np.arange(300))
+    ends = np.arange(300)
+    ends[[5, 250]] = 250, 5  # of the twenty movers that end in the contact, one starts far away
+    contact = np.argsort(points[:, 2])[:20]
+    plan = Correspondences(np.arange(300), ends, 0.0, 0.0, "exact")
+    bud = OrganPaths(task, plan).bud(contact, points)
+    assert len(bud) == 20
+    assert np.ptp(points[bud], axis=0).max() < 5.0

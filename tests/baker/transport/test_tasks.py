@@ -65,15 +65,6 @@ def test_the_papers_own_buds_are_what_lies_nearest_to_the_new_organ():
     assert np.array_equal(bud, nearest)
 
 
-def test_no_point_of_the_bud_lies_at_the_tip_of_the_new_organ():
-    at_tip = LEAF[-6:] + 0.001  # points of the stem, nearer to the leaf than its other ones
-    stem = np.concatenate([STEM, at_tip])
-    tasks = tasks_between(scan((0, stem)), scan((0, stem), (1, LEAF)))
-    bud = next(t.origin[1] for t in tasks if t.event == "birth")
-    assert len(bud) == 20
-    assert np.abs(stem[bud] - [0, 0, 7]).max() < 0.2
-
-
 def test_the_papers_own_buds_have_ten_points_at_least():
     sparse = scan((0, STEM[::10])), scan((0, STEM[::10]), (1, LEAF))
     tasks = tasks_between(*sparse, paper=True)
