@@ -37,11 +37,12 @@ class OrganPaths:
         They are around the middle of the movers' starts that end in the contact, since some of
         these may be far away. points: (N, 3) of the first scan.
         """
-        is_chosen = np.isin(self.task.end[self.plan.columns], contact)
+        is_chosen = np.isin(self.task.end[self.plan.columns], contact, kind="table")
         starts = points.take(self.task.start[self.plan.rows[is_chosen]], axis=0)
         from_median = ((starts - np.median(starts, axis=0)) ** 2).sum(axis=1)
         offsets = points.take(self.task.start, axis=0) - starts[from_median.argmin()]
-        nearest = np.argsort((offsets**2).sum(axis=1), kind="stable")[: len(contact)]
+        count = min(len(contact), len(offsets))
+        nearest = np.argpartition((offsets**2).sum(axis=1), count - 1)[:count]
         return self.task.start[np.sort(nearest)]
 
     @property

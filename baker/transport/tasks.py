@@ -52,15 +52,15 @@ def interval_tasks(
     """
     starts, ends, organs = match.first.segments, match.second.segments, match.second.organs
     # A stem that is matched with a virtual, empty root is lost, or born.
-    matched = [(a, b) for a, b in match.pairs if len(starts[a]) and len(ends[b])]
+    matched = {b: a for a, b in match.pairs if len(starts[a]) and len(ends[b])}
     born = [*match.births, *(b for a, b in match.pairs if not len(starts[a]))]
     lost = [*match.losses, *(a for a, b in match.pairs if not len(ends[b]))]
-    tasks = [Task("match", organs[b], starts[a], ends[b]) for a, b in matched]
+    tasks = [Task("match", organs[b], starts[a], ends[b]) for b, a in matched.items()]
     attach = cache(partial(_attachment_points, points, match, attachment_points, paper))
     for b in (b for b in born if len(ends[b])):
         ancestor, top = _attachment(match, b)
         start, origin, parent = np.arange(0), None, match.second.parents[top]
-        if paper or parent not in {b for _, b in matched}:
+        if paper or parent not in matched:
             start = attach(0, ancestor, top)
         else:
             origin = organs[parent], attach(1, parent, top)
