@@ -84,9 +84,9 @@ def test_no_point_of_a_bud_lies_at_the_tip_of_the_new_organ(tmp_path):
 def test_a_bud_is_in_one_place_though_movers_that_end_there_start_apart():
     points = np.random.default_rng(0).random((300, 3)) * [1, 1, 30]
     task = Task("match", 0, np.arange(300), np.arange(300))
-    ends = np.arange(300)
-    ends[[5, 250]] = 250, 5  # of the twenty movers that end in the contact, one starts far away
-    contact = np.argsort(points[:, 2])[:20]
+    by_height, ends = np.argsort(points[:, 2]), np.arange(300)
+    contact = by_height[:20]
+    ends[by_height[[0, -1]]] = ends[by_height[[-1, 0]]]  # one of the movers that end in the contact
     plan = Correspondences(np.arange(300), ends, 0.0, 0.0, "exact")
     bud = OrganPaths(task, plan).bud(contact, points)
     assert len(bud) == 20

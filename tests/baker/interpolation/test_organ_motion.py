@@ -124,6 +124,18 @@ def test_the_deformation_keeps_both_margins(name: str) -> None:
         assert np.quantile(np.linalg.norm(points - truth, axis=1), 0.9) < 0.15 * width
 
 
+def test_a_blade_that_rolls_by_a_right_angle_keeps_its_width() -> None:
+    """On straight paths, it has 0.7 of it at mid-interval."""
+    shape = SHAPES["rolling"]
+    start, end = clouds(shape)
+    motion = motion_between(start, end)
+    along, margins = np.full(2, 0.65), np.array([-0.9, 0.9])
+    before, middle = shape(along, margins, 0.0), shape(along, margins, 0.5)
+    rebuilt = (before + motion.registered(before, end)[0]) / 2 + motion.deviation(before)
+    width, true_width = (float(np.linalg.norm(np.diff(side, axis=0))) for side in (rebuilt, middle))
+    assert width > 0.85 * true_width
+
+
 def test_what_lies_between_two_nodes_stays_between_them() -> None:
     """A stem grows between its two leaves only; without them it would seem to grow evenly."""
     rng = np.random.default_rng(0)
