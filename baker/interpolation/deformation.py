@@ -48,9 +48,8 @@ def spine_deformation(
     knots = _landmark_levels(before.along[i], after.along[j])
     levels = np.interp(NODE_POSITIONS, *knots)
     centers = interpolate_nodes(after.nodes, np.interp(before.along, *knots))
-    frames, end_frames = spine_frames(
-        before.tangents, unit(interpolate_nodes(after.tangents, levels))
-    )
+    tangents = unit(interpolate_nodes(after.tangents, levels))
+    frames, end_frames = spine_frames(before.tangents, tangents)
     if not len(landmarks[0]):
         first = elongations(frames, NODE_POSITIONS, offsets, before.along)
         end_frames @= roll(first, elongations(end_frames, levels, target_offsets, after.along))

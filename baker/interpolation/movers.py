@@ -32,9 +32,9 @@ class OrganPaths:
     child_deviations: Mapping[int, Floats] = field(default_factory=dict)  # organ -> (3,)
 
     def bud(self, contact: Indices, points: Floats) -> NDArray[np.intp]:
-        """As many points of the first scan, close together, as are in a contact of the second one.
+        """The (l,) points of the first scan from which an organ that is attached here unfolds.
 
-        They are around the middle of the movers' starts that end in the contact, since some of
+        They are around the middle of the movers' starts that end in its (l,) contact, since some of
         these may be far away. points: (N, 3) of the first scan.
         """
         is_chosen = np.isin(self.task.end[self.plan.columns], contact, kind="table")

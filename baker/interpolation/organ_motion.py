@@ -26,7 +26,7 @@ FIRST_NEIGHBOR, LAST_NEIGHBOR, NEIGHBOR_STEP = 24, 72, 8  # to which the stretch
 MAX_LOG_STRETCH = 2.0  # to which outliers are clipped
 POINTS_COMPARED = 100  # number of points of an organ at which the stretch is measured
 NEIGHBORS = 4  # number of points of the sample from which other points are interpolated
-MAX_WIDENING = 1.25  # greatest factor on cross-sections at mid-interval
+MAX_MID_WIDENING = 1.25  # greatest factor on cross-sections at mid-interval
 MIN_COSINE = -0.9  # between the directions of a piece of the spine in both scans
 
 
@@ -84,7 +84,8 @@ def _widening(before: Points, after: Points, along: Floats) -> Points:
     middle = 0.5 * (before + after)
     weights = section_weights(along, NODE_POSITIONS)
     sizes = [np.sqrt(weights @ (side**2).sum(axis=1)) for side in (before, after, middle)]
-    factor = np.minimum(0.5 * (sizes[0] + sizes[1]) / np.maximum(sizes[2], 1e-30), MAX_WIDENING)
+    factor = 0.5 * (sizes[0] + sizes[1]) / np.maximum(sizes[2], 1e-30)
+    factor = np.minimum(factor, MAX_MID_WIDENING)
     return (interpolate_nodes(factor, along)[:, None] - 1.0) * middle
 
 

@@ -44,7 +44,7 @@ def multiscale_plan(
     if len(start) < len(end):
         edges, mass = multiscale_plan(end, start, demand, supply, options)
         return (edges[1], edges[0]), mass
-    row, axes = bisection_order(start, 0)
+    row, axes = bisection_order(start, seed=0)
     column, _ = bisection_order(end, 0, axes)
     row_levels = _levels(start[row], supply[row])
     column_levels = _levels(end[column], demand[column])

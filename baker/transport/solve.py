@@ -96,7 +96,7 @@ def wasserstein(start: Points, end: Points, *, samples: int = 256) -> float:
     gaussian_cost = explained_cost(start, end, source, target)
     sides = []
     for cloud, mass in zip((source, target), uniform_masses(len(start), len(end)), strict=True):
-        order = bisection_order(cloud, 0)[0]
+        order = bisection_order(cloud, seed=0)[0]
         sides.append(blocks(cloud[order], mass, samples))
     (rows, supply), (columns, demand) = sides
     edges, mass = multiscale_plan(rows, columns, supply, demand, TransportOptions())
