@@ -112,12 +112,15 @@ def _measure_sample(
     organs = {
         track: organ
         for track, organ in sorted(sampled.items())
-        if track in needed and (day not in clip.times or tracks[track].born <= day)
+        if day not in clip.times or tracks[track].born <= day
     }
+    # The noise is estimated from all organs: an organ has the same traits whichever are wanted.
     patches = {track: fit_patches(o.points, o.cloud) for track, o in organs.items()}
     weights = {track: organ.noise_weight for track, organ in organs.items()}
     noise = noise_of(patches, weights)
-    smooth = {track: smoothed(fits, noise.of(track)) for track, fits in patches.items()}
+    smooth = {
+        track: smoothed(fits, noise.of(track)) for track, fits in patches.items() if track in needed
+    }
     measured, no_points = [], np.zeros((0, 3))
     for track in (track for track in organs if track in wanted):
         organ, deviation, (points, remaining) = organs[track], noise.of(track), smooth[track]

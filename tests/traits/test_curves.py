@@ -32,8 +32,8 @@ def test_curves_are_what_the_table_says(grown: Clip) -> None:
                 one.length * (0.05 if curve.sure[place] else 0.15)
             )
             assert place <= index, "days before birth have no value"
-    only = trait_curves(grown, [1])
-    assert only == [curves[1, trait] for trait in ("angle", "area", "length")]
+    for track in range(len(grown.track_table)):
+        assert trait_curves(grown, [track]) == [c for c in curves.values() if c.track == track]
 
 
 def test_a_picture_of_a_curve_is_sound_and_within_its_frame(grown: Clip) -> None:
