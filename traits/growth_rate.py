@@ -4,6 +4,10 @@ The variance of the positions of neighbouring movers does not change where an or
 rotated, but only where its surface grows.
 """
 
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from os import cpu_count
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,10 +33,11 @@ def growth_rates(clip: Clip) -> list[NDArray[np.float64]]:
         derivative of the logarithm of lengths. Infinite if the organ is born, NaN if it is lost.
     """
     born = np.array([track.born for track in clip.track_table])
-    return [_interval_rates(interval, born) for interval in clip.intervals]
+    with ThreadPoolExecutor(cpu_count()) as threads:
+        return list(threads.map(partial(_interval_rates, born), clip.intervals))
 
 
-def _interval_rates(interval: Interval, born: NDArray[np.float64]) -> NDArray[np.float64]:
+def _interval_rates(born: NDArray[np.float64], interval: Interval) -> NDArray[np.float64]:
     """(N,) rates of the movers of an interval; born: (T,) times at which organs are born."""
     from scipy.spatial import KDTree
 

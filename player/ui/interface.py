@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from imgui_bundle import imgui, imgui_ctx
 from moderngl import Framebuffer
 
-from gclip import Clip
 from player.ui import actions, annotations, keys
 from player.ui.gui import Gui, PlantMouse
 from player.ui.help import draw_help
@@ -47,10 +46,10 @@ SPEEDS = {0.125: "⅛×", 0.25: "¼×", 0.5: "½×"}
 class Interface:
     """The interface of one clip in one window; `name` is its title, `organs` measures traits."""
 
-    def __init__(self, gui: Gui, clip: Clip, name: str) -> None:
-        self._gui, self._name = gui, name
-        self._colors, self.organs = Colors(clip), OrganInfo(clip)
-        self.timeline, self.mouse = TimelineView(clip), PlantMouse()
+    def __init__(self, gui: Gui, colors: Colors, name: str) -> None:
+        self._gui, self._colors, self._name = gui, colors, name
+        self.organs, self.timeline = OrganInfo(colors.clip), TimelineView(colors.clip)
+        self.mouse = PlantMouse()
 
     def draw(
         self, screen: Framebuffer, scene: Scene, size: Point, scale: float, panes: Sequence[Pane]

@@ -62,7 +62,7 @@ class Colors:
     """Computes colours of one clip for any style; values are cached by colour mode."""
 
     def __init__(self, clip: Clip) -> None:
-        self._clip = clip
+        self.clip = clip
         self._scale = cache(lambda mode, field: mode.quantity.scale(clip, field))
 
     def value_range(self, style: Style) -> ValueRange | None:
@@ -70,10 +70,10 @@ class Colors:
 
         Raises PlayerError if the style shows a quantity that the clip does not have.
         """
-        mode = style.color_mode(self._clip)
+        mode = style.color_mode(self.clip)
         if not mode.quantity.colormap:
             return None
-        if reason := mode.quantity.why_unavailable(self._clip):
+        if reason := mode.quantity.why_unavailable(self.clip):
             raise PlayerError(reason)
         scale, chosen = self._scale(mode, style.field), style.color_map
         name = mode.quantity.colormap if chosen == ColorMap.AUTO else str(chosen)
@@ -87,7 +87,7 @@ class Colors:
 
         Raises PlayerError as `value_range` does.
         """
-        clip, mode = self._clip, style.color_mode(self._clip)
+        clip, mode = self.clip, style.color_mode(self.clip)
         if mode.quantity.per_mover and (scale := self.value_range(style)):
             return replace(clip, intervals=tuple(map(scale.colored, clip.intervals, scale.movers)))
         if without_scans and mode is ColorMode.TRACK:
@@ -97,8 +97,8 @@ class Colors:
 
     def held_out_clip(self, index: int, style: Style) -> Clip:
         """A held-out scan as a clip that does not move, in the colours of a style."""
-        clip, distances = held_out_as_clip(self._clip, index)
-        is_error = style.color_mode(self._clip) is ColorMode.ERROR
+        clip, distances = held_out_as_clip(self.clip, index)
+        is_error = style.color_mode(self.clip) is ColorMode.ERROR
         if is_error and (scale := self.value_range(style)):
             return replace(clip, intervals=(scale.colored(clip.intervals[0], distances),))
         return clip
@@ -109,8 +109,8 @@ class Colors:
         The weight is 0 for hidden organs, 1 for visible ones, and in between for organs that are
         dimmed beside a highlighted one. The colours in the palette are dimmed already.
         """
-        colors = palette_at(self._clip, *locate(self._clip, day))[:, :3]
-        per_organ = style.color_mode(self._clip).quantity.per_organ
+        colors = palette_at(self.clip, *locate(self.clip, day))[:, :3]
+        per_organ = style.color_mode(self.clip).quantity.per_organ
         if per_organ and (scale := self.value_range(style)):
             colors = scale.colors_of(np.array(scale.organs(day)))
         light = srgb_to_linear(colors / 255.0)

@@ -99,7 +99,8 @@ class Window:
         self._resources.close()
         self.clips, opened = tuple(clips), tuple(entry.clip for entry in clips)
         self.viewports = Viewports(self._context, opened, self.timers)
-        self._interface = Interface(self._gui, opened[0], " · ".join(entry.name for entry in clips))
+        name = " · ".join(entry.name for entry in clips)
+        self._interface = Interface(self._gui, self.viewports.colors[0], name)
         for resource in (self.viewports, self._interface.organs):
             self._resources.callback(resource.release)
         max_movers = max(len(interval) for clip in opened for interval in clip.intervals)

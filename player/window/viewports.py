@@ -56,6 +56,7 @@ class Viewports:
     one for the held-out scan that was shown last; each is created on first use.
 
     timers:      measure the passes of all renderers, optional.
+    colors:      of the clips; they keep the values that they have computed.
     complete:    whether the last picture contained all movers.
     loading:     whether movers were uploaded for the last picture.
     gpu_seconds: GPU time of the last picture but two.
@@ -64,8 +65,8 @@ class Viewports:
     def __init__(
         self, context: moderngl.Context, clips: Sequence[Clip], timers: PassTimers | None = None
     ) -> None:
-        self._context, self._clips, self._timers = context, clips, timers or PassTimers(context)
-        self._colors = [Colors(clip) for clip in clips]
+        self._context, self._timers = context, timers or PassTimers(context)
+        self.colors = [Colors(clip) for clip in clips]
         self._renderers: dict[tuple[int, str, int | None], Renderer] = {}
         self._passes = Passes(context)
         self._pictures: dict[int, moderngl.Framebuffer] = {}
@@ -142,8 +143,8 @@ class Viewports:
 
     def _renderer(self, pane: Pane, style: Style) -> Renderer:
         """The renderer of a pane; values as colours and held-out scans are clips of their own."""
-        mode, colors = ColorMode(style.color_by), self._colors[pane.clip]
-        quantity, clip = mode.quantity, self._clips[pane.clip]
+        mode, colors = ColorMode(style.color_by), self.colors[pane.clip]
+        quantity, clip = mode.quantity, colors.clip
         has_values = quantity.per_mover and not quantity.why_unavailable(clip)
         coloring = f"{mode} {style.color_map} {style.field}" if has_values else ""
         key = (pane.clip, coloring, pane.held_out_index)

@@ -16,6 +16,7 @@ from player.ui.gui import OUTSIDE_WINDOW, Gui
 from player.ui.interface import Interface
 from player.ui.timeline import Line
 from player.view.camera import Camera
+from player.view.colors import Colors
 from player.view.playback import Timeline
 from player.view.state import Scene
 from player.view.style import Style
@@ -81,7 +82,7 @@ class Desk:
             (round(size[0] * scale), round(size[1] * scale)), 3
         )
         self.gui = Gui()
-        self.interface = Interface(self.gui, clip, name)
+        self.interface = Interface(self.gui, Colors(clip), name)
         self.patch = pytest.MonkeyPatch()
         self.places = Places(self.patch).found
         self.clicked: tuple[float, float] | None = None

@@ -152,7 +152,7 @@ def _window(plant: str, day: float, style: Style, **scene: Any) -> Callable[[], 
         context = headless()
         screen = context.simple_framebuffer(size, 3)
         stage, gui = Viewports(context, [clip]), Gui()
-        interface = Interface(gui, clip, plant)
+        interface = Interface(gui, stage.colors[0], plant)
         for _ in range(3):  # a panel learns its sizes as it is drawn
             stage.draw(size, panes, style, Detail(), None)
             stage.blit(screen)

@@ -32,6 +32,19 @@ def trait_curves(*given):
 organ_info.trait_curves = trait_curves
 """
 
+# Values of movers take seconds in large clips.
+ONCE = """
+import traits
+compute, computed = traits.growth_rates, []
+
+def growth_rates(clip):
+    assert not computed, "computed again"
+    computed.append(clip)
+    return compute(clip)
+
+traits.growth_rates = growth_rates
+"""
+
 
 @pytest.fixture(scope="module")
 def opened(display: dict[str, str], clip_file: Path) -> Iterator[Shown]:
@@ -98,6 +111,20 @@ def test_a_curve_appears_as_soon_as_it_is_measured(
         shown.key("space", "n")
         shown.until(lambda state: state["picked"] == 0)
         shown.until(lambda state: "curve" in state["places"], 30.0)
+    finally:
+        shown.end()
+
+
+def test_plant_and_legend_share_the_values_that_are_computed(
+    display: dict[str, str], clip_file: Path
+) -> None:
+    shown = Shown(display, clip_file, SIZE, before=ONCE, legend=True)
+    try:
+        shown.point(20, 200)
+        shown.key("space", "c", "c", "c")
+        shown.until(lambda state: state["color_by"] == "growth", 40.0)
+        shown.settled()
+        assert shown.process.poll() is None
     finally:
         shown.end()
 
