@@ -19,10 +19,12 @@ import shaders
 from gclip import Clip, Motion, ScanMark, Track
 from player import render
 from player.export import Film, export
+from player.export.web import page
 from player.export.web.encode import pack
 from player.view.style import ColorMode, Style
 from traits.curves import trait_curves
 
+WEB = Path(page.__file__).parent
 NASTY = "</script><script>window.hurt=1</script><img src=x onerror='window.hurt=1'>{{ 7*7 }}"
 POSITIONS = """([day, shader]) => {
     const { renderer, clip } = viewer, { gl } = renderer, draw = gl.drawArrays.bind(gl);
@@ -219,6 +221,25 @@ def test_the_plot_of_an_organ_leaves_the_plant_free(opened: Any, make_clip: Any)
     assert distance > 1.1 * before[1]
     tab.evaluate(f"viewer.act('choose', {track})")
     assert tab.evaluate(seen) == pytest.approx(before), "as it was"
+
+
+def test_the_plot_of_an_organ_covers_nothing_on_a_phone(opened: Any, make_clip: Any) -> None:
+    clip = make_clip()
+    tab, track = opened(clip), trait_curves(clip)[0].track
+    tab.set_viewport_size({"width": 390, "height": 780})
+    tab.evaluate(f"viewer.act('choose', {track})")
+    plot = tab.locator("#curve").bounding_box()
+    for control in ("#play", "#moment", "#time"):
+        assert plot["y"] + plot["height"] <= tab.locator(control).bounding_box()["y"], control
+
+
+def test_the_help_names_every_key(opened: Any, make_clip: Any) -> None:
+    told = set(re.findall(r"\w+", opened(make_clip()).text_content("#help")))
+    keys = re.findall(r"\b(\w+): \[\"", (WEB / "page.js").read_text())
+    assert {"f", "Home", "Escape"} <= set(keys)
+    names = {"ArrowLeft": "a", "ArrowRight": "a", "PageUp": "PgUp", "PageDown": "PgDn"}
+    names |= {"Escape": "Esc", "h": "a"}  # arrows are no words; H has opened the help
+    assert {names.get(key, key.upper() if len(key) == 1 else key) for key in keys} <= told
 
 
 def test_mouse_touch_keys_and_timeline(opened_sharp: Any, make_clip: Any) -> None:
