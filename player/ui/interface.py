@@ -44,10 +44,10 @@ SPEEDS = {0.125: "⅛×", 0.25: "¼×", 0.5: "½×"}
 
 
 class Interface:
-    """The interface of one clip in one window; `name` is its title, `organs` measures traits."""
+    """The interface of one window; `names` are those of its clips, `organs` measures traits."""
 
-    def __init__(self, gui: Gui, colors: Colors, name: str) -> None:
-        self._gui, self._colors, self._name = gui, colors, name
+    def __init__(self, gui: Gui, colors: Colors, *names: str) -> None:
+        self._gui, self._colors, self._name = gui, colors, " · ".join(names)
         self.organs, self.timeline = OrganInfo(colors.clip), TimelineView(colors.clip)
         self.mouse = PlantMouse()
 
@@ -94,7 +94,7 @@ class Interface:
             with imgui_ctx.push_font(pen.bold, 20.0):
                 imgui.text_unformatted(one_line(self._name))
             scans, organs = len(scene.clip.scans), len(scene.clip.track_table)
-            imgui.text_disabled(f"{scans} scans, {organs} organs")
+            imgui.text_disabled(f"{scans} scans, {organs} organ{'s' * (organs != 1)}")
         with bare_window("tools", (left, MARGIN), (_width(TOOLS), BUTTON)):
             return _row(scene, TOOLS, left, MARGIN + BUTTON / 2)
 

@@ -99,8 +99,7 @@ class Window:
         self._resources.close()
         self.clips, opened = tuple(clips), tuple(entry.clip for entry in clips)
         self.viewports = Viewports(self._context, opened, self.timers)
-        name = " · ".join(entry.name for entry in clips)
-        self._interface = Interface(self._gui, self.viewports.colors[0], name)
+        self._interface = Interface(self._gui, self.viewports.colors[0], *[c.name for c in clips])
         for resource in (self.viewports, self._interface.organs):
             self._resources.callback(resource.release)
         max_movers = max(len(interval) for clip in opened for interval in clip.intervals)
