@@ -13,6 +13,7 @@ from gclip.errors import UserError
 from player.export.film import Film
 from player.export.formats import FORMATS, STILL, export, format_of
 from player.output_names import unused_path
+from player.view.annotations import Annotations
 from player.view.camera_animation import CameraPath, load_path, save_path
 from player.view.choices import Request
 from player.view.state import ExportProgress, Scene
@@ -112,7 +113,7 @@ class ExportJob:
 
 
 def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Film:
-    """A film with camera and style of a scene, in the format whose example is given.
+    """A film with camera, style and annotations of a scene, in a format named by its example.
 
     If the film is narrower than the window, the camera moves back so that nothing is cut off.
     area: (width, height) in pixels of the part of the window that shows the plant.
@@ -121,7 +122,6 @@ def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Fil
     width, height = scene.output.size or (area[0] // 2 * 2, area[1] // 2 * 2)
     zoom = min((width / height) / (area[0] / area[1]), 1.0)
     cameras = scene.path.keys if scene.following else ((scene.timeline.day, scene.camera),)
-    path = CameraPath(tuple((day, camera.zoom(zoom)) for day, camera in cameras))
     return Film(
         size=(max(width, 16), max(height, 16)),
         turning=scene.turning,
@@ -129,10 +129,11 @@ def film_of(scene: Scene, example: str, area: tuple[int, int], name: str) -> Fil
         at=(scene.timeline.day,) if chosen.moments == STILL else (),
         transparent=scene.output.transparent and chosen.suffixes[0] == ".png",
         name=name,
-        path=path,
+        path=CameraPath(tuple((day, camera.zoom(zoom)) for day, camera in cameras)),
+        annotations=Annotations(False, scene.guides, scene.legend and scene.color_mode != "scan"),
     )
 
 
 def saved_notice(file: Path) -> str:
     """A notice with name and folder of a new file."""
-    return f"Saved {file.name} in {file.parent.absolute()}"
+    return f"Saved {file.name} in {file.parent.resolve()}"

@@ -9,13 +9,13 @@ from typing import Any
 
 import pytest
 
-import gclip
 from player.export.film import Film
 from player.output_names import unused_path
+from player.view.annotations import Annotations
 from player.view.camera_animation import load_path
 from player.view.choices import Request
 from player.view.state import ExportProgress
-from player.window.export_job import ExportJob
+from player.window.export_job import ExportJob, film_of
 from player.window.opened_clip import OpenClip
 from tests.player.conftest import ClipMaker
 from tests.player.desk import scene_of
@@ -79,18 +79,31 @@ def test_a_picture_waits_for_the_export_under_way(saved: Path) -> None:
     assert told == replace(scene, notice="film.mp4 is being exported; E stops it.")
 
 
+def test_exports_have_the_annotations_of_the_window(make_clip: ClipMaker) -> None:
+    scene = replace(scene_of(make_clip()), guides=True, legend=True)
+    shown = film_of(scene, "still.png", (640, 480), "plant").annotations
+    assert shown == Annotations(scale_bar=True, legend=True)
+    bare = replace(scene, guides=False, legend=False)
+    assert film_of(bare, "still.png", (640, 480), "plant").annotations == Annotations()
+    scans = scene_of(make_clip(colors=((9, 9, 9, 255),) * 2))  # colours that have no legend
+    shown = film_of(replace(scans, legend=True), "still.png", (640, 480), "plant").annotations
+    assert shown == Annotations(scale_bar=True)
+
+
 def test_a_camera_key_is_added_to_those_in_the_file_beside_the_clip(
     saved: Path, monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory
 ) -> None:
     monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
-    scene, opened = scene_of(gclip.open(saved)), OpenClip.from_file(saved)
+    folder = saved.parent
+    opened = OpenClip.from_file(folder / ".." / folder.name / saved.name)
+    scene = scene_of(opened.clip)
     for day in (0.0, 5.0, 5.0):  # each time as if the window had just opened
         asked = replace(scene, request=Request.CAMERA_KEY, timeline=scene.timeline.at(day))
         told = ExportJob().handle_request(asked, opened, (640, 480))
-    kept = load_path(saved.parent / "plant.camera.json", opened.clip)
+    kept = load_path(folder / "plant.camera.json", opened.clip)
     for path in (told.path, kept):
         assert [day for day, _ in path.keys] == [0.0, 5.0]
-    assert told.notice == f"Saved plant.camera.json in {saved.parent}, 2 keys"
+    assert told.notice == f"Saved plant.camera.json in {folder}, 2 keys"
     assert not list(Path().iterdir())
 
 
