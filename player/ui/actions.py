@@ -54,11 +54,11 @@ def resize_points(scene: Scene, factor: float) -> Scene:
 def pick(scene: Scene, track: int | None, place: Place | None = None, add: bool = False) -> Scene:
     """Pick an organ, or none; picking the same organ again releases it.
 
-    place: the point that was clicked; add: pick it as the second organ of a pair.
+    place: the point that was clicked; add: pick it as the second organ of a pair, or none as such.
     """
-    if add and scene.clicked_places and place is not None:
-        pair = scene.clicked_places[0], place
-        return replace(scene.with_style(second=track), clicked_places=pair)
+    if add and scene.clicked_places and (track is None) == (place is None):
+        places = scene.clicked_places[:1] + (() if place is None else (place,))
+        return replace(scene.with_style(second=track), clicked_places=places)
     picked = None if track == scene.style.picked else track
     places = () if picked is None or place is None else (place,)
     return replace(scene.with_style(picked=picked, second=None), clicked_places=places)

@@ -134,6 +134,8 @@ def test_corrections_are_undone_and_made_again(scene: Scene) -> None:
     assert "another" in actions.correct(scene, "same").notice
     scene = actions.pick(scene, 1, two, add=True)
     assert (scene.style.picked, scene.style.second, scene.clicked_places) == (0, 1, (one, two))
+    missed = actions.pick(scene, None, add=True)
+    assert (missed.style.picked, missed.style.second, missed.clicked_places) == (0, None, (one,))
     scene = pressed(scene, "shift+w", "shift+c")
     scene = actions.correct(scene, "name", "flag leaf")
     assert scene.edits is not None
