@@ -32,7 +32,6 @@ from baker.matching.corrections import (
 )
 from baker.matching.labels import LabelUse, label_policy, with_tracked_labels
 from baker.matching.match import chain_matches, match_series
-from baker.matching.segmentation_choice import choose_segmentations
 from baker.options import Options
 from baker.scans.read import read_series
 from baker.scans.scan import Finding, Series
@@ -41,7 +40,7 @@ from baker.segmentation.from_labels import hierarchy_from_labels, labelled_hiera
 from baker.segmentation.from_spanning_tree import hierarchy_from_spanning_tree
 from baker.segmentation.hierarchy import Hierarchy
 from baker.segmentation.label_cleaning import with_clean_labels
-from baker.segmentation.organs import candidate_organs
+from baker.segmentation.organs import find_organs
 from baker.transport.solve import wasserstein
 from baker.transport.tasks import interval_tasks
 from baker.verdict.judge import judge_clip
@@ -204,9 +203,8 @@ def _segment(
         return labels, list(map(hierarchy_from_spanning_tree, *scans, k, threshold))
     is_complete = len(organs) == len(clouds)
     if not is_complete:
-        pairs = zip(labels.labels, map(candidate_organs, clouds, bases), strict=True)
-        candidates = [by_shape if known is None else [known] for known, by_shape in pairs]
-        organs = choose_segmentations(clouds, bases, candidates, map=map)
+        pairs = zip(labels.labels, map(find_organs, clouds, bases), strict=True)
+        organs = [by_shape if known is None else known for known, by_shape in pairs]
     organs = with_corrected_organs(organs, aligned, corrections)
     if not is_complete or not (labels.consistent or options.paper):
         labels = with_tracked_labels(labels, clouds, organs, bases, corrections)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.errors import InputError
+from baker.matching.borders import align_borders
 from baker.matching.corrections import Labels, PointCorrection
 from baker.matching.merging import merge_parts
 from baker.matching.tracking import track_organs
@@ -109,19 +110,21 @@ def with_tracked_labels(
     """Make labels consistent by tracking the organs of all scans; see `track_organs`.
 
     Returns `use` with the track number of every point; parts of an organ that only one scan
-    divides are merged. If labels are consistent and only missing in some scans, an organ in such a
-    scan gets the label of its track in the nearest scan with labels.
+    divides are merged, and the borders of organs found by shape are made alike in all scans. If
+    labels are consistent and only missing in some scans, an organ in such a scan gets the label of
+    its track in the nearest scan with labels.
     """
     unlabelled = not use.available
     tracks = track_organs(clouds, organs, root_points, corrections)
     if use.consistent:
         labelled = {k: organs[k] for k, labels in enumerate(use.labels) if labels is not None}
         return replace(use, labels=tuple(_complete_labels(labelled, tracks)))
-    if not unlabelled:
-        corrected = [place for correction in corrections for place in correction.places]
-        merged = merge_parts(
-            clouds, tracks, {int(tracks[scan][point]) for scan, point in corrected}
-        )
+    places = [place for correction in corrections for place in correction.places]
+    corrected = {(scan, int(tracks[scan][point])) for scan, point in places}
+    if unlabelled:
+        tracks = align_borders(clouds, tracks, root_points, corrected)
+    else:
+        merged = merge_parts(clouds, tracks, {track for _, track in corrected})
         if any(map(np.any, map(np.not_equal, merged, tracks))):
             # A part may have been linked to another organ of the next scan.
             tracks = track_organs(clouds, merged, root_points, corrections)

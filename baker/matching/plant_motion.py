@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.graph import best_path
-from baker.geometry.parallel import MapLike
 from baker.matching.descriptors import OrganDescriptors
 from baker.matching.score import best_pairs, match_rewards, match_scores, shape_penalties
 
@@ -31,7 +30,7 @@ MAX_MATCHED, MAX_CANDIDATES = 16, 6  # rotations for which organs are matched; b
 MIN_DIFFERENCE = 0.2  # between these rotations, in radians
 
 
-def plant_motions(organs: Sequence[OrganDescriptors], map: MapLike = map) -> list[Floats]:
+def plant_motions(organs: Sequence[OrganDescriptors]) -> list[Floats]:
     """(4, 4) rigid motions of a plant from each scan to the next one.
 
     Candidates are no motion, and motions that register the plant bases and the directions from

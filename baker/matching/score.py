@@ -75,17 +75,6 @@ def best_pairs(scores: NDArray[np.float64]) -> tuple[NDArray[np.intp], float]:
     return np.column_stack([rows, columns])[gain > 0.0], float(gain.sum())
 
 
-def matched_share(first: OrganDescriptors, second: OrganDescriptors) -> float:
-    """The total score of the best matching of two scans, divided by that of a perfect one.
-
-    In a perfect matching nothing is lost or born, and no pair is penalised.
-    """
-    young, old = sorted((first, second), key=lambda organs: float((organs.sizes**2).sum()))
-    sizes = LOSS_WEIGHT * young.sizes.sum() + BIRTH_WEIGHT * old.sizes.sum()
-    perfect = sizes / _organ_size(young, old) + MATCH_BONUS * (len(young) + len(old)) / 2.0
-    return best_pairs(match_scores(first, second))[1] / float(perfect)
-
-
 def shape_penalties(
     young: OrganDescriptors,
     old: OrganDescriptors,

@@ -26,6 +26,7 @@ class OrganEntries:
     organ: NDArray[np.intp]  # (m,) index of each point's organ
     entry: NDArray[np.intp]  # (m,) index of the point at which the path last enters that organ
     source: NDArray[np.intp]  # (m,) index of the organ from which it does; of the root's, the root
+    distance: NDArray[np.float64]  # (m,) length of the path to each point
 
     def shares(self) -> NDArray[np.float64]:
         """(n, n) share of the paths to the row's organ that enter it from the column's."""
@@ -64,7 +65,7 @@ def organ_entries(
     points = cloud[np.concatenate([[root_point], *parts])].astype(np.float64)
     graph = connected_knn_graph(points, NEIGHBORS).tocoo()
     graph.data[organ[graph.row] != organ[graph.col]] *= CROSSING_FACTOR
-    _, before = dijkstra(graph, directed=False, indices=0, return_predecessors=True)
+    distance, before = dijkstra(graph, directed=False, indices=0, return_predecessors=True)
     before = np.maximum(before, 0)  # the point before each one; negative at the plant base
     entry = chain_ends(np.where(organ[before] == organ, before, np.arange(len(organ))))
-    return OrganEntries(distinct, points, organ, entry, organ[before[entry]])
+    return OrganEntries(distinct, points, organ, entry, organ[before[entry]], distance)

@@ -1,8 +1,4 @@
-"""Segment scans without labels into organs by shape: stem with petioles, blades, bare branches.
-
-Where the stem ends is not always clear in a single scan, so that scans are segmented with several
-thresholds. `baker.matching.segmentation_choice` decides between them, by the adjacent scans.
-"""
+"""Segment a scan without labels into organs by shape: stem with petioles, blades, bare branches."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +9,6 @@ from baker.segmentation.reeb_graph import PlantSample, ReebTree, reeb_tree, samp
 Indices = NDArray[np.intp]
 
 # docs/method.md, "Organs without labels".
-SCORE_SHIFTS = (0.0, -0.15, 0.25)  # added to the scores of blades, one for each segmentation
 MIN_BASE_SCORE = -0.7  # mean score of a node below a blade, up to the next fork, that belongs to it
 FORK_PENALTY = 0.4  # of a blade, as a share of the area of what branches off
 MIN_TOUCHING_SHARE = 0.6  # of the length of a strip, except for its base, that touches its organ
@@ -23,31 +18,26 @@ MAX_BASE_SHARE = 0.5  # of the base in an organ's length, so that short ones hav
 MIN_REACH = 1.3  # of the point of an organ farthest from all other organs, in stem diameters
 
 
-def candidate_organs(cloud: NDArray[np.floating], base: int) -> list[NDArray[np.int64]]:
-    """Segment a scan into organs by their shape, in several ways, the most likely one first.
+def find_organs(cloud: NDArray[np.floating], base: int) -> NDArray[np.int64]:
+    """Find the (N,) organ of every point of a scan by shape, 0 for stem and petioles.
 
     cloud: (N, 3) points of the aligned scan. base: index of the point at the plant base.
-
-    Returns for each different segmentation the (N,) organ of every point, 0 for stem and petioles.
     """
     sample = sample_plant(cloud, base)
     if sample.diameter == 0.0:
-        return [np.zeros(len(cloud), np.int64)]
-    tree, candidates = reeb_tree(sample), list[Indices]()
+        return np.zeros(len(cloud), np.int64)
+    tree = reeb_tree(sample)
     scores, area = blade_scores(sample, tree), sample.spacing**2 * np.bincount(tree.node)
-    for shift in SCORE_SHIFTS:
-        node_scores = sample.spacing**2 * np.bincount(tree.node, np.clip(scores + shift, -1.0, 1.0))
-        is_base = node_scores > MIN_BASE_SCORE * area
-        node_scores -= fork_penalties(sample, tree, organs_of_nodes(sample, tree, node_scores))
-        nodes = organs_of_nodes(sample, tree, node_scores)
-        # The neighbourhoods at the base of a blade are half of stem: a lower score is enough there.
-        for node in range(len(nodes) - 1, -1, -1):
-            if nodes[node] == STEM and is_base[node] and len(tree.children[node]) == 1:
-                nodes[node] = nodes[tree.children[node][0]]
-        organ = merge_specks(sample, merge_strips(sample, nodes[tree.node]))
-        if not any(np.array_equal(organ, other) for other in candidates):
-            candidates.append(organ)
-    return [organ[sample.nearest].astype(np.int64) for organ in candidates]
+    node_scores = sample.spacing**2 * np.bincount(tree.node, np.clip(scores, -1.0, 1.0))
+    is_base = node_scores > MIN_BASE_SCORE * area
+    node_scores -= fork_penalties(sample, tree, organs_of_nodes(sample, tree, node_scores))
+    nodes = organs_of_nodes(sample, tree, node_scores)
+    # The neighbourhoods at the base of a blade are half of stem: a lower score is enough there.
+    for node in range(len(nodes) - 1, -1, -1):
+        if nodes[node] == STEM and is_base[node] and len(tree.children[node]) == 1:
+            nodes[node] = nodes[tree.children[node][0]]
+    organ = merge_specks(sample, merge_strips(sample, nodes[tree.node]))
+    return organ[sample.nearest].astype(np.int64)
 
 
 def fork_penalties(sample: PlantSample, tree: ReebTree, organ: Indices) -> NDArray[np.floating]:

@@ -7,8 +7,7 @@ import pytest
 from baker import Options, bake
 from baker.alignment.stem_base import base_point
 from baker.geometry.up_axis import Vertical
-from baker.matching.segmentation_choice import choose_segmentations
-from baker.segmentation.organs import candidate_organs
+from baker.segmentation.organs import find_organs
 from baker.segmentation.reeb_graph import sample_plant
 from tests.real.series import EXAMPLE, GROWN, labelled, present, tables_of
 
@@ -37,7 +36,7 @@ def test_organs_overlap_with_those_marked(series, name):
     tables = tables_of(series(name))
     clouds = [table[:, :3] for table in tables]
     bases = [base_point(cloud, UP) for cloud in clouds]
-    found = choose_segmentations(clouds, bases, list(map(candidate_organs, clouds, bases)))
+    found = map(find_organs, clouds, bases)
     scans = zip(tables, found, strict=True)
     overlap = [share for scan in scans for share in overlaps(*scan, name)]
     assert np.mean(overlap) > (0.75 if name == GROWN else 0.8)
@@ -56,7 +55,7 @@ def test_a_quarter_of_the_points_is_enough(series, name):
     rng = np.random.default_rng(0)
     sparse = [table[rng.random(len(table)) < 0.25] for table in tables_of(series(name))]
     bases = [base_point(table[:, :3], UP) for table in sparse]
-    found = [candidate_organs(t[:, :3], base)[0] for t, base in zip(sparse, bases, strict=True)]
+    found = [find_organs(t[:, :3], base) for t, base in zip(sparse, bases, strict=True)]
     scans = zip(sparse, found, strict=True)
     overlap = [share for scan in scans for share in overlaps(*scan, name)]
     assert np.mean(overlap) > 0.75

@@ -48,12 +48,3 @@ def seedling(
         labels += [0, leaf]
     points = np.concatenate(parts) + rng.normal(0, 0.02, (sum(map(len, parts)), 3))
     return points, np.repeat(labels, [len(part) for part in parts])
-
-
-def leaf_on_top(length: float, width: float, noise: float) -> np.ndarray:
-    """(N, 3) points of an upright leaf on top of a seedling with two blades."""
-    rng = np.random.default_rng(0)
-    count = int(300 * length * width)
-    across, along = rng.uniform(-0.5, 0.5, count) * width, rng.uniform(0, length, count)
-    points = np.column_stack([np.zeros(count), across, 7.4 + along])
-    return points + rng.normal(0, noise, points.shape)

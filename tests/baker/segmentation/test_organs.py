@@ -5,15 +5,15 @@ import pytest
 
 from baker.alignment.stem_base import base_point
 from baker.geometry.up_axis import Vertical
-from baker.segmentation.organs import candidate_organs
-from tests.baker.segmentation.seedling import leaf_on_top, seedling, tube
+from baker.segmentation.organs import find_organs
+from tests.baker.segmentation.seedling import seedling, tube
 
 UP = Vertical.named("z")
 
 
 def organs(cloud: np.ndarray) -> np.ndarray:
     """The most likely segmentation."""
-    return candidate_organs(cloud, base_point(cloud, UP))[0]
+    return find_organs(cloud, base_point(cloud, UP))
 
 
 def mean_overlap(truth: np.ndarray, found: np.ndarray) -> float:
@@ -153,18 +153,3 @@ def test_a_handful_of_points_is_one_organ(count):
 def test_points_all_in_one_place():
     found = organs(np.zeros((50, 3)))
     assert not found.any()
-
-
-def test_a_leaf_that_is_not_plain_yet_is_an_organ_in_some_candidates():
-    plant, crumpled = seedling(2)[0], leaf_on_top(1.4, 1.6, noise=0.15)
-    cloud = np.vstack([plant, crumpled])
-    candidates = candidate_organs(cloud, base_point(cloud, UP))
-    shares = [(found[-len(crumpled) :] != 0).mean() for found in candidates]
-    assert shares[0] < 0.1
-    assert max(shares) > 0.9
-
-
-def test_candidates_differ():
-    cloud = np.vstack([seedling(2)[0], leaf_on_top(1.4, 1.6, noise=0.15)])
-    candidates = candidate_organs(cloud, base_point(cloud, UP))
-    assert len({found.tobytes() for found in candidates}) == len(candidates)
