@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.alignment.sample import EvenSample
+from baker.geometry.rigid import fit_rotation
 
 INLIER_SHARE = 0.8  # of the pairs; the other points may have moved, or be lost or hidden
 MAX_ITERATIONS, MIN_GAIN = 100, 1e-4  # relative decrease of the error of a further iteration
@@ -44,11 +45,9 @@ def nearest_pairs(
 
 
 def fit_rigid(source: Matrix, target: Matrix) -> Matrix:
-    """Least squares rigid transform (4, 4) between (n, 3) pairs of points (Kabsch 1976)."""
+    """Least squares rigid transform (4, 4) between (n, 3) pairs of points."""
     centers = source.mean(axis=0), target.mean(axis=0)
-    u, _, vt = np.linalg.svd((source - centers[0]).T @ (target - centers[1]))
-    vt[2] *= np.sign(np.linalg.det(u @ vt))  # no reflection
     transform = np.eye(4)
-    transform[:3, :3] = (u @ vt).T
+    transform[:3, :3] = fit_rotation(source - centers[0], target - centers[1])
     transform[:3, 3] = centers[1] - transform[:3, :3] @ centers[0]
     return transform

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from baker.geometry.neighbors import interpolate
-from baker.interpolation.deformation import register_nonrigid, spine_deformation
-from baker.interpolation.organ_shapes import OrganShape
+from baker.interpolation.deformation import register_nonrigid
+from baker.interpolation.organ_shapes import OrganShape, common_nodes
+from baker.interpolation.pose import starting_pose
 from baker.interpolation.spine import (
     NODE_POSITIONS,
     Floats,
@@ -61,11 +62,8 @@ def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
     if source.length > target.length:
         back = fit_motion(target, source)
         return replace(back, sample=back.deformed, deformed=back.sample, is_reversed=True)
-    organs = sorted(source.nodes.keys() & target.nodes.keys())
-    first, second = ([shape.nodes[organ] for organ in organs] for shape in (source, target))
-    landmarks = np.array(first, int), np.array(second, int)
-    clouds = source.points, target.points
-    moved = spine_deformation(*clouds, source.spine, target.spine, landmarks)
+    landmarks = common_nodes(source, target)
+    moved = starting_pose(source, target, landmarks)
     deformed = register_nonrigid(moved, target.points, landmarks)
     along = source.spine.along
     start, end = fit_spine(source.points, along).nodes, fit_spine(deformed, along).nodes

@@ -103,6 +103,15 @@ class OrganShape:
         return float(np.linalg.norm(np.diff(self.spine.nodes, axis=0), axis=1).sum())
 
 
+def common_nodes(
+    source: OrganShape, target: OrganShape
+) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Indices of the points of an organ, in two scans, at which the same others grow from it."""
+    organs = sorted(source.nodes.keys() & target.nodes.keys())
+    first, second = (np.array([s.nodes[n] for n in organs], np.intp) for s in (source, target))
+    return first, second
+
+
 def organ_shapes(
     points: Cloud,
     hierarchy: Hierarchy,

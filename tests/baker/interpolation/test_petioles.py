@@ -64,3 +64,21 @@ def test_the_axis_moves_by_less_than_half_of_what_petioles_lengthen(
     start, end = (clip.at(day).positions for day in (1e-6, 1.0 - 1e-6))
     is_axis = (clip.at(1e-6).tracks == 0) & (np.hypot(end[:, 0], end[:, 1]) < 2.0)
     assert np.median(np.abs(end[is_axis, 2] - start[is_axis, 2])) < 5.0
+
+
+@pytest.mark.parametrize("is_longer", [(True, False), (False, True)])
+def test_a_stem_that_loses_its_top_does_not_shrink(
+    tmp_path: Path, is_longer: tuple[bool, bool]
+) -> None:
+    """The top of it may be hidden from the scanner, or labelled as something else."""
+    up, scans = np.array([0.0, 0.0, 1.0]), []
+    for day, has_top in enumerate(is_longer):
+        top = rod(np.random.default_rng(day), HEIGHT * up, 1.4 * HEIGHT * up, 400 * has_top)
+        scans.append(
+            np.concatenate([plant(day, [0.0] * LEAVES, 1.0), np.pad(top, ((0, 0), (0, 1)))])
+        )
+    clip = baked(tmp_path, *scans)
+    start, end = (clip.at(day).positions for day in (1e-6, 1.0 - 1e-6))
+    is_axis = (clip.at(1e-6).tracks == 0) & (np.hypot(end[:, 0], end[:, 1]) < 2.0)
+    is_below = is_axis & (np.minimum(start[:, 2], end[:, 2]) < 0.8 * HEIGHT)
+    assert np.median(np.abs(end[is_below, 2] - start[is_below, 2])) < 1.5
