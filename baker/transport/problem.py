@@ -18,7 +18,7 @@ Coupling = NDArray[np.int64]  # (3, E) rows, columns and masses of the pairs of 
 # Of `overlap_masses`.
 NEIGHBORS = 10  # points of the other cloud are counted within the distance of this neighbour
 MIN_SHARE = 0.02  # least mass, as a share of a uniform one, so that every point is transported
-MAX_SAMPLE = 250  # points of a cloud whose masses are computed, along the Morton curve
+MAX_SAMPLE = 2500  # points of a cloud whose masses are computed, along the Morton curve
 TOTAL_MASS = 10**9  # of each cloud, in integer units
 RIDGE = 1e-4  # of `balance`: share of the mean variance added to each axis of a covariance
 TINY = float(np.finfo(float).tiny)
