@@ -20,6 +20,7 @@ from baker.geometry.surface import normals_and_areas
 from baker.geometry.up_axis import Vertical
 from baker.interpolation.attributes import with_colors, with_fields
 from baker.interpolation.interval_job import interval_jobs, solve_intervals
+from baker.interpolation.primordia import with_primordia
 from baker.interpolation.provenance import describe_provenance, describe_tracks
 from baker.matching.corrections import (
     PointCorrection,
@@ -114,6 +115,9 @@ def bake_with_survey(
         report_progress=partial(progress, "matching"),
     )
     organs, matches = chain_matches(matches, labels.consistent)
+
+    if not (choices.paper or choices.whole):
+        matches = with_primordia(aligned, matches)
 
     # Transport (3.4) and interpolation, interval by interval
     intervals = zip(pairwise(aligned.clouds), matches, strict=True)

@@ -41,15 +41,24 @@ class AlignedSeries:
         return [frame.positions for frame in self.keyframes]
 
     @property
+    def base_points(self) -> list[NDArray[np.float32]]:
+        """(3,) position of the plant base in each scan."""
+        return [cloud[k] for cloud, k in zip(self.clouds, self.bases, strict=True)]
+
+    @property
+    def spacings(self) -> list[float]:
+        """Point spacing of each scan."""
+        return [neighbors.spacing for neighbors in self.neighbors]
+
+    @property
     def spacing(self) -> float:
         """Median point spacing of all scans."""
-        return float(np.median([neighbors.spacing for neighbors in self.neighbors]))
+        return float(np.median(self.spacings))
 
     @property
     def floor(self) -> float:
         """Height of the lowest plant base, to which lost organs fall."""
-        bases = zip(self.clouds, self.bases, strict=True)
-        return min(float(self.vertical.height(cloud)[base]) for cloud, base in bases)
+        return float(self.vertical.height(np.stack(self.base_points)).min())
 
 
 def aligned_keyframes(series: Series, alignment: Alignment) -> list[Keyframe]:

@@ -27,6 +27,7 @@ LANDMARK_SHARE = 0.1  # weight of a landmark, as a share of all points, for a ke
 Floats = NDArray[np.float64]
 Landmarks = tuple[NDArray[np.intp], NDArray[np.intp]]
 """Indices of points of the source, and of the points of the target that they correspond to."""
+NO_POINTS = np.empty((0, 3))
 NO_LANDMARKS: Landmarks = np.empty(0, np.intp), np.empty(0, np.intp)
 
 
@@ -74,22 +75,27 @@ def _landmark_levels(before: Floats, after: Floats) -> tuple[list[float], list[f
 
 
 def register_nonrigid(
-    moving: Points, target: Points, landmarks: Landmarks = NO_LANDMARKS
+    moving: Points,
+    target: Points,
+    landmarks: Landmarks = NO_LANDMARKS,
+    optional: Points = NO_POINTS,
 ) -> Points:
     """Register (n, 3) points non-rigidly with an (m, 3) target by iterated closest points.
 
     In every iteration, each point of both clouds is paired with the closest point of the other, and
     each landmark with its target. Around `CENTERS` points, affine maps are fitted to the
     displacements of the pairs by weighted least squares, and the maps are blended.
+
+    optional: (k, 3) more points of the target, with which none has to be paired.
     """
     from scipy.spatial import cKDTree
     from scipy.spatial.distance import cdist
 
     center = moving.mean(axis=0)
     size = float(np.sqrt(((moving - center) ** 2).sum(axis=1).mean())) or 1.0
-    source, target = (moving - center) / size, (target - center) / size
+    source, target = (moving - center) / size, (np.concatenate([target, optional]) - center) / size
     i, j = landmarks
-    tree = cKDTree(target)
+    tree, count = cKDTree(target), len(target) - len(optional)
     centers = farthest_point_sample(source, CENTERS, first=0)
     squared = cdist(source[centers], source, "sqeuclidean")
     homogeneous = np.c_[source, np.ones(len(source))]
@@ -99,7 +105,7 @@ def register_nonrigid(
         weights = np.exp(-0.5 * squared / width**2) + 1e-12
         blend = weights / weights.sum(axis=0)
         ridge = STIFFNESS * width**2 * np.diag([1.0, 1.0, 1.0, 0.0])
-        trust, shift = _closest_pairs(source, target, deformed, tree)
+        trust, shift = _closest_pairs(source, target, deformed, tree, count)
         weight = LANDMARK_SHARE * width * len(source)
         np.add.at(trust, i, weight)
         np.add.at(shift, i, weight * (target[j] - source[i]))
@@ -114,20 +120,20 @@ def register_nonrigid(
 
 
 def _closest_pairs(
-    source: Points, target: Points, deformed: Points, tree: Any
+    source: Points, target: Points, deformed: Points, tree: Any, count: int
 ) -> tuple[NDArray[np.float64], Points]:
     """The (n,) total weight of the pairs of each point, and the (n, 3) sum of their displacements.
 
     Pairs are found from the deformed points, displacements are measured from the source.
-    tree: the KD-tree of the target.
+    tree: the KD-tree of the target. count: number of points of the target that are all paired.
     """
     from scipy.spatial import cKDTree
 
     to_target, partners = tree.query(deformed)
-    to_deformed, points = cKDTree(deformed, balanced_tree=False).query(target)
+    to_deformed, points = cKDTree(deformed, balanced_tree=False).query(target[:count])
     distance = np.concatenate([to_target, to_deformed])
     first = np.concatenate([np.arange(len(source)), points])
-    second = np.concatenate([partners, np.arange(len(target))])
+    second = np.concatenate([partners, np.arange(count)])
     scale = OUTLIER_SCALE * float(np.median(distance)) or 1.0
     weight = 1.0 / (1.0 + (distance / scale) ** 2)
     displacement = weight[:, None] * (target[second] - source[first])

@@ -70,7 +70,7 @@ def interval_jobs(
     next scan, so they fade instead of falling.
     """
     is_curved = options.paths == "curved"
-    spacings = [neighbors.spacing for neighbors in series.neighbors]
+    spacings, bases = series.spacings, series.base_points
     clouds, keyframes = [*series.clouds], series.keyframes
     attachments = organ_attachments(clouds, spacings, matches)
     if options.smooth:
@@ -92,7 +92,6 @@ def interval_jobs(
         feasible=not options.paper,
     )
     decays = _decays(tasks, matches, Motion(options.decay), unlabelled)
-    bases = [cloud[k] for cloud, k in zip(series.clouds, series.bases, strict=True)]
     return [
         IntervalJob(
             times=(series.times[k], series.times[k + 1]),
@@ -177,7 +176,7 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         start, end = clouds[0].take(task.start, axis=0), clouds[1].take(task.end, axis=0)
         motion: OrganMotion | None = None
         parts: Sequence[LeafletPair] = ()
-        if task.event == "match" and all(task.organ in side for side in shapes):
+        if all(task.organ in side for side in shapes):
             motion, parts = _register_organ(start, end, *(side[task.organ] for side in shapes))
         threads = workers if task.size * workers > total else 1
         plan = correspond(start, end, replace(job.transport, workers=threads), parts)

@@ -67,7 +67,7 @@ def organ_movers(
     a = np.concatenate([organ.task.start[organ.plan.rows] for organ in organs], dtype=np.int32)
     b = np.concatenate([organ.task.end[organ.plan.columns] for organ in organs], dtype=np.int32)
     counts = [len(organ.plan.rows) for organ in organs]
-    is_born = np.repeat([organ.task.event == "birth" for organ in organs], counts)
+    is_born = np.repeat([organ.task.shares_start for organ in organs], counts)
     curve = _curve(start.positions.take(a, axis=0), end.positions.take(b, axis=0), organs, scan)
     colors: tuple[NDArray[np.uint8] | None, NDArray[np.uint8] | None] = None, None
     if start.colors is not None and end.colors is not None:

@@ -28,6 +28,7 @@ class Task:
     # Of a new organ without `start`: the track id of its parent, and (l,) points of that in the
     # second scan. The organ unfolds from where the movers start that end there.
     origin: tuple[int, NDArray[np.intp]] | None = None
+    shares_start: bool = False  # whether the points of `start` are in the start of another task
 
     @property
     def size(self) -> int:
@@ -54,8 +55,12 @@ def interval_tasks(
     # A stem that is matched with a virtual, empty root is lost, or born.
     matched = {b: a for a, b in match.pairs if len(starts[a]) and len(ends[b])}
     born = [*match.births, *(b for a, b in match.pairs if not len(starts[a]))]
+    born = [b for b in born if b not in matched]
     lost = [*match.losses, *(a for a, b in match.pairs if not len(ends[b]))]
-    tasks = [Task("match", organs[b], starts[a], ends[b]) for b, a in matched.items()]
+    tasks = [
+        Task("birth" if b in match.births else "match", organs[b], starts[a], ends[b])
+        for b, a in matched.items()
+    ]
     attach = cache(partial(_attachment_points, points, match, attachment_points, paper))
     for b in (b for b in born if len(ends[b])):
         ancestor, top = _attachment(match, b)
@@ -64,7 +69,7 @@ def interval_tasks(
             start = attach(0, ancestor, top)
         else:
             origin = organs[parent], attach(1, parent, top)
-        tasks.append(Task("birth", organs[b], start, ends[b], origin))
+        tasks.append(Task("birth", organs[b], start, ends[b], origin, True))
     tasks += [Task("loss", match.first.organs[a], starts[a], np.arange(0)) for a in lost]
     return tuple(task for task in tasks if task.size)
 
