@@ -48,8 +48,8 @@ def interval_tasks(
     number of points from which a new organ unfolds; by default 1 % of the parent's points, from 3
     to 100, but at most a tenth of the organ's. paper: whether it is by default 1 % of the parent's
     points, from 10 to 100, and always those nearest to the organ in the first scan, as in the
-    paper. Each point of the first scan is in the start of one match or loss, each point of the
-    second in the end of one task.
+    paper. Each point of the first scan is in the start of one task that does not share it, each
+    point of the second in the end of one task.
     """
     starts, ends, organs = match.first.segments, match.second.segments, match.second.organs
     # A stem that is matched with a virtual, empty root is lost, or born.
