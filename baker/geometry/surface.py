@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.graph import knn_graph
 from baker.geometry.neighbors import Neighbors, blocks
 from baker.geometry.parallel import MapLike
 
@@ -91,9 +92,12 @@ def surface_normals(
     codes = np.zeros((count, 2), np.uint8)
     if k < 3:
         return codes
-    averaged = _averaged(np.concatenate([covariance, points.T]).T, neighbors, map)
+    adjacency = knn_graph(neighbors)
+    adjacency.data[:] = 1.0
+    moments = np.ascontiguousarray(np.concatenate([covariance, points.T]).T)
+    averaged = (moments + adjacency @ moments) / (k + 1)
     mean, positions = averaged[:, :6].T, averaged[:, 6:]
-    curvature = (positions - _averaged(positions, neighbors, map)).T
+    curvature = (positions - (positions + adjacency @ positions) / (k + 1)).T
 
     def compute(part: slice) -> None:
         # The variance along the curvature is reduced, so that the axis of the smallest one turns
@@ -107,25 +111,6 @@ def surface_normals(
 
     list(map(compute, blocks(count)))
     return codes
-
-
-def _averaged(values: Floats, neighbors: Neighbors, map: MapLike) -> Floats:
-    """The means of (N, n) values over each point and its neighbours."""
-    from scipy.sparse import csr_matrix
-
-    count, k = neighbors.indices.shape
-    rows = np.ascontiguousarray(values, np.float64)
-    means = np.empty_like(rows)
-
-    def compute(part: slice) -> None:
-        nearest = neighbors.indices[part]
-        begins = np.arange(0, nearest.size + 1, k)
-        ones = np.ones(nearest.size)
-        adjacency = csr_matrix((ones, nearest.ravel(), begins), (len(nearest), count))
-        means[part] = (rows[part] + adjacency @ rows) / (k + 1)
-
-    list(map(compute, blocks(count)))
-    return means
 
 
 def _eigenvalues(covariance: Floats) -> Floats:

@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.morton import block_shuffle
-from gclip.schema import OPTIONAL, Box, Group, Interval, Motion, SegmentPair, extent
+from baker.geometry.neighbors import spatial_order
+from gclip.schema import BLOCK, OPTIONAL, Box, Group, Interval, Motion, SegmentPair, extent
 
 LEVELS = 65535  # quantisation levels along each axis of the box
+GOLDEN_RATIO = (5**0.5 - 1) / 2
 MAX_STEP = 0.01  # of quantisation, as a share of the point spacing
 
 
@@ -81,6 +82,18 @@ def pack_interval(
     )
 
 
+def block_shuffle(points: NDArray[np.floating]) -> NDArray[np.intp]:
+    """(N,) indices of (N, 3) points in `spatial_order`, in blocks of 128 that are shuffled.
+
+    Neighbouring threads of a GPU then read neighbouring points, and any prefix is an even sample:
+    multiples of the golden ratio, modulo 1, are spread evenly up to any number.
+    """
+    order = spatial_order(points)
+    blocks = np.split(order, range(BLOCK, len(order), BLOCK))
+    shuffled = np.argsort(np.arange(len(blocks)) * GOLDEN_RATIO % 1.0)
+    return np.concatenate([blocks[i] for i in shuffled])
+
+
 def elevate_degree(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], ...]:
     """Elevate the degree of Bézier curves without changing them.
 
@@ -111,7 +124,4 @@ def _quantised(points: NDArray[np.floating], box: Box | None) -> NDArray[Any]:
     if box is None:
         return points.astype(np.float32, copy=False)
     low, step = np.asarray(box.low), np.where(box.step > 0, box.step, 1.0)
-    packed = np.empty(points.shape, np.uint16)
-    for axis in range(3):
-        packed[:, axis] = np.round((points[:, axis] - low[axis]) / step[axis])
-    return packed
+    return np.round((points - low) / step).astype(np.uint16)

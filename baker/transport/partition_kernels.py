@@ -1,10 +1,9 @@
-"""Compiled: recursive bisection of a cloud down to its points, and the north-west corner rule."""
+"""Compiled: recursive bisection of a cloud down to its points."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from baker.transport.compiled import compiled
-from baker.transport.problem import Coupling, Masses
 
 Ints = NDArray[np.integer]
 Floats = NDArray[np.float64]
@@ -65,29 +64,3 @@ def _select(values: Floats, order: Ints, begin: int, stop: int, middle: int) -> 
             begin = low
         else:
             return
-
-
-@compiled
-def north_west_corner(supply: Masses, demand: Masses, plan: Coupling, following: Ints) -> Coupling:
-    """Distribute the mass of each pair of blocks to pairs of their points, in their order.
-
-    supply, demand: (n,) and (m,) masses of the points, block after block. plan: (3, E) rows,
-    columns and masses of pairs of blocks, sorted by row, then column, like the plan returned.
-    following: the first column of each block; it becomes the next one to receive mass.
-    """
-    refined = np.empty((3, plan.shape[1] + len(supply) + len(demand)), np.int64)
-    found, row, given, left = 0, 0, supply[0], demand.copy()
-    for pair in range(plan.shape[1]):
-        column, rest = following[plan[1, pair]], plan[2, pair]
-        while rest > 0:
-            while given == 0:
-                row += 1
-                given = supply[row]
-            while left[column] == 0:
-                column += 1
-            moved = min(rest, given, left[column])
-            refined[0, found], refined[1, found], refined[2, found] = row, column, moved
-            found, rest, given = found + 1, rest - moved, given - moved
-            left[column] -= moved
-        following[plan[1, pair]] = column
-    return refined[:, :found].copy()

@@ -58,11 +58,20 @@ def refine_plan(supply: Masses, demand: Masses, plan: Coupling) -> Coupling:
     supply, demand: (n,) and (m,) masses of the points. The returned pairs are sorted by row, then
     column.
     """
-    from baker.transport.partition_kernels import north_west_corner
-
-    demands = np.bincount(plan[1], plan[2])  # of the blocks; floats, but exact below 2 ** 53
-    first = np.searchsorted(np.cumsum(demand), np.cumsum(demands) - demands, side="right")
-    return north_west_corner(supply, demand, plan.take(np.lexsort(plan[1::-1]), axis=1), first)
+    _, columns, mass = plan.take(np.lexsort(plan[1::-1]), axis=1)
+    by_column = np.argsort(columns, kind="stable")
+    # All masses are laid end to end, those of rows and of columns: each pair takes a part of both.
+    begin, column_begin = np.cumsum(mass) - mass, np.empty_like(mass)
+    column_begin[by_column] = np.cumsum(mass[by_column]) - mass[by_column]
+    row_ends, column_ends = np.cumsum(supply), np.cumsum(demand)
+    pair = by_column[np.searchsorted(column_begin[by_column], column_ends - 1, "right") - 1]
+    cuts = np.sort(np.r_[begin, row_ends, column_ends + (begin - column_begin)[pair]])
+    moved = np.diff(cuts)
+    first, moved = cuts[:-1][moved > 0], moved[moved > 0]
+    row = np.searchsorted(row_ends, first, "right")
+    pair = np.searchsorted(begin, first, "right") - 1
+    column = np.searchsorted(column_ends, first + (column_begin - begin)[pair], "right")
+    return np.stack([row, column, moved])
 
 
 def bisection_plan(
