@@ -15,7 +15,6 @@ from baker.alignment.keyframes import AlignedSeries
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
 from baker.interpolation.deformation import register_nonrigid
 from baker.interpolation.organ_shapes import (
-    Attachments,
     Cloud,
     OrganShape,
     common_nodes,
@@ -36,22 +35,20 @@ def with_primordia(series: AlignedSeries, matches: Sequence[Match]) -> list[Matc
     scan as the second one of the interval before.
     """
     clouds, bases = series.clouds, series.base_points
-    contacts = organ_attachments(clouds, series.spacings, matches)
-    return [
-        _split(match, clouds[k : k + 2], bases[k : k + 2], contacts[k : k + 2])
-        for k, match in enumerate(matches)
-    ]
+    scans = clouds, bases, organ_attachments(clouds, series.spacings, matches)
+    return [_split(match, *(side[k : k + 2] for side in scans)) for k, match in enumerate(matches)]
 
 
-def _split(
-    match: Match, clouds: Sequence[Cloud], bases: Sequence[Cloud], contacts: Sequence[Attachments]
-) -> Match:
-    """Split the primordia of one interval off, and match them with the new organs."""
+def _split(match: Match, *scans: Any) -> Match:
+    """Split the primordia of one interval off, and match them with the new organs.
+
+    scans: points, plant base and attachments, each in both scans.
+    """
     first = match.first
     # New segment of the second scan -> segment of the first scan with its primordium, (n,) points.
     found: dict[int, tuple[int, NDArray[np.intp]]] = {}
     for pair in match.pairs:
-        found |= _primordia(match, pair, clouds, bases, contacts)
+        found |= _primordia(match, pair, *scans)
     if not found:
         return match
     origins, primordia = zip(*found.values(), strict=True)
@@ -69,11 +66,7 @@ def _split(
 
 
 def _primordia(
-    match: Match,
-    pair: tuple[int, int],
-    clouds: Sequence[Cloud],
-    bases: Sequence[Cloud],
-    contacts: Sequence[Attachments],
+    match: Match, pair: tuple[int, int], clouds: Sequence[Cloud], *scans: Any
 ) -> dict[int, tuple[int, NDArray[np.intp]]]:
     """The primordia in a matched segment, which must carry others in both scans; see `_split`."""
     from scipy.spatial import cKDTree
@@ -82,19 +75,17 @@ def _primordia(
     born = [child for child in match.second.children(later) if child in match.births]
     if not born:
         return {}
-    shapes = [
-        organ_shapes(cloud, scan, base, contact, [k, *scan.children(k)]).get(scan.organs[k])
-        for cloud, scan, base, contact, k in zip(
-            clouds, (match.first, match.second), bases, contacts, pair, strict=True
+    before, after = (
+        organ_shapes(cloud, scan, base, contacts, [k, *scan.children(k)]).get(scan.organs[k])
+        for k, cloud, scan, base, contacts in zip(
+            pair, clouds, (match.first, match.second), *scans, strict=True
         )
-    ]
-    before, after = shapes
+    )
     if before is None or after is None or len(common_nodes(before, after)[0]) < MIN_NODES:
         return {}
     step = max(1, len(match.second.segments[later]) // len(after.points))
     new = [clouds[1][match.second.segments[child][::step]].astype(np.float64) for child in born]
-    sample = _destinations(before, after, new)
-    members = match.first.segments[segment]
+    sample, members = _destinations(before, after, new), match.first.segments[segment]
     destinations = sample[cKDTree(before.points).query(clouds[0][members])[1]]
     return {
         child: (segment, members[destinations == k])
