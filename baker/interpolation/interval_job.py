@@ -30,6 +30,7 @@ from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
 
+MIN_ELONGATION = 16.0  # median of the organs of a grass, see `OrganShape.elongation`
 SMALL_SHARE = 0.5  # greatest share of all small organs, relative to an equal one for each thread
 
 
@@ -166,6 +167,9 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         matched = [a for a, _ in match.pairs], [b for _, b in match.pairs]
         sides = (match.first, match.second), job.bases, job.attachments, matched
         shapes = list(map(organ_shapes, clouds, *sides))
+    # Leaves of grasses become strips, and grow at their base; broad leaves grow everywhere.
+    elongations = [shape.elongation for shape in shapes[1].values()] or [0.0]
+    grows_at_base = float(np.median(elongations)) > MIN_ELONGATION
     total = sum(task.size for task in job.tasks)
     solved: dict[int, OrganPaths] = {}  # track id of an organ -> its paths
 
@@ -177,7 +181,8 @@ def solve_interval(job: IntervalJob, map: MapLike = map, workers: int = 1) -> In
         motion: OrganMotion | None = None
         parts: Sequence[LeafletPair] = ()
         if all(task.organ in side for side in shapes):
-            motion, parts = _register_organ(start, end, *(side[task.organ] for side in shapes))
+            before, after = (side[task.organ] for side in shapes)
+            motion, parts = _register_organ(start, end, before, after, grows_at_base)
         threads = workers if task.size * workers > total else 1
         plan = correspond(start, end, replace(job.transport, workers=threads), parts)
         paths, sources = OrganPaths(task, plan), start.take(plan.rows, axis=0)
@@ -239,7 +244,11 @@ def _packed(paths: Sequence[OrganPaths], job: IntervalJob) -> Interval:
 
 
 def _register_organ(
-    start: NDArray[np.floating], end: NDArray[np.floating], source: OrganShape, target: OrganShape
+    start: NDArray[np.floating],
+    end: NDArray[np.floating],
+    source: OrganShape,
+    target: OrganShape,
+    grows_at_base: bool,
 ) -> tuple[OrganMotion | None, Sequence[LeafletPair]]:
     """The motion of an organ, and its parts that are transported separately.
 
@@ -253,7 +262,7 @@ def _register_organ(
         # A leaflet that carries a child is a petiole, and petioles resemble each other.
         if np.isin(first, stalk.start).all() and np.isin(second, stalk.end).all():
             return None, leaflets
-    motion = fit_motion(source, target)
+    motion = fit_motion(source, target, grows_at_base)
     whole = np.arange(len(start)), np.arange(len(end))
     return motion, (LeafletPair(*whole, motion.registered(start, end)),)
 

@@ -54,22 +54,24 @@ class OrganMotion:
         return interpolate(points, self.sample, self.deviations, NEIGHBORS)
 
 
-def fit_motion(source: OrganShape, target: OrganShape) -> OrganMotion:
+def fit_motion(source: OrganShape, target: OrganShape, grows_at_base: bool = True) -> OrganMotion:
     """Register an organ in two scans, and estimate its spine at mid-interval.
 
     The shorter organ is deformed onto the longer one, so that the motion is the same in reverse.
+    grows_at_base: whether new tissue is at the base, so that an organ may turn as it grows.
     """
     if source.length > target.length:
-        back = fit_motion(target, source)
+        back = fit_motion(target, source, grows_at_base)
         return replace(back, sample=back.deformed, deformed=back.sample, is_reversed=True)
     landmarks = common_nodes(source, target)
     moved = starting_pose(source, target, landmarks)
     deformed = register_nonrigid(moved, target.points, landmarks)
     along = source.spine.along
     start, end = fit_spine(source.points, along).nodes, fit_spine(deformed, along).nodes
-    share = growth_share(start, end, unevenness(source.points, deformed))
-    bend = interpolate_nodes(mid_spine(start, end, share) - 0.5 * (start + end), along)
     offsets = source.points - interpolate_nodes(start, along)
+    uneven = unevenness(source.points, deformed) if grows_at_base else 0.0
+    share = growth_share(start, end, uneven)
+    bend = interpolate_nodes(mid_spine(start, end, share) - 0.5 * (start + end), along)
     deviations = bend + _widening(offsets, deformed - interpolate_nodes(end, along), along)
     return OrganMotion(source.points, deformed, deviations)
 

@@ -17,6 +17,7 @@ from baker.interpolation.spine import (
     Points,
     Spine,
     fit_spine,
+    interpolate_nodes,
     path_lengths,
     sample_members,
 )
@@ -101,6 +102,12 @@ class OrganShape:
     def length(self) -> float:
         """Length of the spine."""
         return float(np.linalg.norm(np.diff(self.spine.nodes, axis=0), axis=1).sum())
+
+    @property
+    def elongation(self) -> float:
+        """Length of the spine, in root mean square distances of the points from it."""
+        offsets = self.points - interpolate_nodes(self.spine.nodes, self.spine.along)
+        return self.length / max(float(np.sqrt((offsets**2).sum(axis=1).mean())), 1e-30)
 
 
 def common_nodes(

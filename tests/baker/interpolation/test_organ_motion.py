@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from baker.interpolation.interval_job import MIN_ELONGATION
 from baker.interpolation.organ_motion import (
     OrganMotion,
     fit_motion,
@@ -220,3 +221,12 @@ def test_unevenness_tells_stretching_from_growing() -> None:
     points = np.random.default_rng(0).uniform(0, 10, (1000, 3))
     assert unevenness(points, 3 * points) < 1e-6
     assert unevenness(points, points * [3.0, 1.0, 1.0]) > 0.2
+
+
+def test_leaves_of_grasses_are_strips() -> None:
+    """And broad leaves are not: what grows at its base is told by this."""
+    rng = np.random.default_rng(0)
+    for width, is_strip in ((1.0, True), (8.0, False)):
+        blade = np.column_stack([rng.uniform(0, 20, 900), rng.uniform(-width, width, 900)])
+        shape = shape_of(np.pad(blade, ((0, 0), (0, 1))), np.zeros(3))
+        assert (shape.elongation > MIN_ELONGATION) == is_strip
