@@ -124,4 +124,7 @@ def _quantised(points: NDArray[np.floating], box: Box | None) -> NDArray[Any]:
     if box is None:
         return points.astype(np.float32, copy=False)
     low, step = np.asarray(box.low), np.where(box.step > 0, box.step, 1.0)
-    return np.round((points - low) / step).astype(np.uint16)
+    packed = np.empty(points.shape, np.uint16)
+    for axis in range(3):
+        packed[:, axis] = np.round((points[:, axis] - low[axis]) / step[axis])
+    return packed
