@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import spatial_order
+from baker.geometry.morton import morton_order
 from gclip import Clip, Motion, ScanMark, Track
 from gclip.schema import BLOCK, Box, Group, Interval
 
@@ -39,7 +39,7 @@ def growing(count: int, degree: int = 2) -> Clip:
     columns = max(math.isqrt(of_organ), 1)
     rows = -(-of_organ // columns)
     cells = np.argwhere(np.ones((*CELLS, 1)))
-    cell_along, cell_across, _ = cells[spatial_order(cells)].T
+    cell_along, cell_across, _ = cells[morton_order(cells)].T
     curve = tuple(np.empty((len(order), BLOCK, 3), np.uint16) for _ in range(degree + 1))
     tracks = np.empty((len(order), BLOCK), np.uint16)
 

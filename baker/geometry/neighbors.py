@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.morton import morton_order
 from baker.geometry.parallel import MapLike
 
 Points = NDArray[np.floating]
@@ -62,7 +63,7 @@ def nearest_neighbors(points: Points, k: int = NEIGHBORS, map: MapLike = map) ->
     """Query the k nearest other points of each point.
 
     Equivalent to ``cKDTree(points).query(points, k + 1)`` without each point itself. The points are
-    queried in the order of the tree, which takes a third of the time for points in random order.
+    queried along a Morton curve, which takes a third of the time for points in random order.
 
     points: (N, 3) float, N > 0. k: number of neighbours, reduced to N - 1. map: maps over blocks of
     points, in threads.
@@ -70,28 +71,24 @@ def nearest_neighbors(points: Points, k: int = NEIGHBORS, map: MapLike = map) ->
     from scipy.spatial import cKDTree
 
     k = min(k, len(points) - 1)
-    tree, ranks = cKDTree(points, LEAF_SIZE, balanced_tree=False), np.arange(1, k + 2)
+    order = morton_order(points)
+    ordered, numbers = points[order], order.astype(np.int32)
+    tree, ranks = cKDTree(ordered, LEAF_SIZE, balanced_tree=False), np.arange(1, k + 2)
     shape = len(points), k
     neighbors = Neighbors(np.empty(shape, np.int32), np.empty(shape, np.float32))
 
     def query(part: slice) -> None:
-        own = tree.indices[part]
-        distances, nearest = tree.query(points[own], ranks)
+        distances, nearest = tree.query(ordered[part], ranks)
         # Among duplicates, a point may not be its own first neighbour: move it to the first column.
+        own = np.arange(part.start, part.start + len(nearest))
         duplicates = np.flatnonzero(nearest[:, 0] != own)
         column = np.argmax(nearest[duplicates] == own[duplicates, None], axis=1)
         nearest[duplicates, column] = nearest[duplicates, 0]
-        neighbors.indices[own], neighbors.distances[own] = nearest[:, 1:], distances[:, 1:]
+        neighbors.indices[order[part]] = numbers.take(nearest[:, 1:])
+        neighbors.distances[order[part]] = distances[:, 1:]
 
     list(map(query, blocks(len(points))))
     return neighbors
-
-
-def spatial_order(points: Points) -> NDArray[np.intp]:
-    """(N,) indices of (N, 3) points by the leaves of a KD-tree: what is near in space is near."""
-    from scipy.spatial import cKDTree
-
-    return np.asarray(cKDTree(points, balanced_tree=False).indices)
 
 
 def blocks(count: int) -> list[slice]:

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import spatial_order
-from gclip.schema import BLOCK, OPTIONAL, Box, Group, Interval, Motion, SegmentPair, extent
+from baker.geometry.morton import block_shuffle
+from gclip.schema import OPTIONAL, Box, Group, Interval, Motion, SegmentPair, extent
 
 LEVELS = 65535  # quantisation levels along each axis of the box
-GOLDEN_RATIO = (5**0.5 - 1) / 2
 MAX_STEP = 0.01  # of quantisation, as a share of the point spacing
 
 
@@ -80,18 +79,6 @@ def pack_interval(
         **colors_and_normals,
         segments=segments,
     )
-
-
-def block_shuffle(points: NDArray[np.floating]) -> NDArray[np.intp]:
-    """(N,) indices of (N, 3) points in `spatial_order`, in blocks of 128 that are shuffled.
-
-    Neighbouring threads of a GPU then read neighbouring points, and any prefix is an even sample:
-    multiples of the golden ratio, modulo 1, are spread evenly up to any number.
-    """
-    order = spatial_order(points)
-    blocks = np.split(order, range(BLOCK, len(order), BLOCK))
-    shuffled = np.argsort(np.arange(len(blocks)) * GOLDEN_RATIO % 1.0)
-    return np.concatenate([blocks[i] for i in shuffled])
 
 
 def elevate_degree(curve: tuple[NDArray[Any], ...], degree: int) -> tuple[NDArray[Any], ...]:

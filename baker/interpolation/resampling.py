@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import blocks, spatial_order
+from baker.geometry.morton import morton_order
+from baker.geometry.neighbors import blocks
 from baker.interpolation.packing import Movers, elevate_degree
 from gclip.evaluate import bernstein
 from gclip.schema import OPTIONAL
@@ -114,12 +115,12 @@ def _group_means(group: Indices, values: Floats) -> Floats:
 
 
 def _choose_repeated(points: Floats, wanted: Floats) -> tuple[Indices, Indices]:
-    """Indices of the movers to repeat, at even steps of `spatial_order`.
+    """Indices of the movers to repeat, at even steps along the Morton curve.
 
     wanted: (N,) expected number of repetitions of each mover. Also returns how many times each of
     the chosen movers was chosen before.
     """
-    order = spatial_order(points)
+    order = morton_order(points)
     total = np.cumsum(wanted[order])
     rank = np.searchsorted(total, np.arange(0.5, total[-1], 1.0))
     return order[rank], np.arange(len(rank)) - np.searchsorted(rank, rank)

@@ -7,6 +7,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from baker.geometry.morton import morton_order
+
 Points = NDArray[np.floating]
 Indices = NDArray[np.integer]
 Masses = NDArray[np.int64]  # in integer units, so that sums are exact
@@ -16,7 +18,7 @@ Coupling = NDArray[np.int64]  # (3, E) rows, columns and masses of the pairs of 
 # Of `overlap_masses`.
 NEIGHBORS = 10  # points of the other cloud are counted within the distance of this neighbour
 MIN_SHARE = 0.02  # least mass, as a share of a uniform one, so that every point is transported
-MAX_SAMPLE = 2500  # points of a cloud whose masses are computed, spread evenly
+MAX_SAMPLE = 2500  # points of a cloud whose masses are computed, along the Morton curve
 TOTAL_MASS = 10**9  # of each cloud, in integer units
 RIDGE = 1e-4  # of `balance`: share of the mean variance added to each axis of a covariance
 TINY = float(np.finfo(float).tiny)
@@ -126,7 +128,7 @@ def overlap_masses(start: Points, end: Points) -> tuple[Masses, Masses]:
 
 def _share(own: Any, target: Any, k: int) -> NDArray[np.float64]:
     """(n,) points of the `target` KD-tree within the k-th `own` neighbour of each point, over k."""
-    order, step = own.indices, -(-own.n // MAX_SAMPLE)  # near in space is near in this order
+    order, step = morton_order(own.data), -(-own.n // MAX_SAMPLE)
     sample = own.data[order[::step]]
     radius = own.query(sample, k=[k])[0][:, 0] * 1.0001
     counts = target.query_ball_point(sample, radius, return_length=True)

@@ -6,12 +6,10 @@ import json
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import pytest
 
 import gclip
 from gclip.file import Container, decode_document
-from gclip.schema import extent
 from tests.gclip.hostile import NUMBERS, good_clips
 
 
@@ -209,14 +207,3 @@ def test_a_clip_that_contradicts_itself_cannot_be_made(make_clip: Any) -> None:
     ):
         with pytest.raises(ValueError, match=words):
             replace(clip, **wrong)
-
-
-@pytest.mark.parametrize("count", [1, 63, 64, 65, 1000])
-@pytest.mark.parametrize("dtype", [np.float32, np.float64])
-def test_the_extent_of_points(count: int, dtype: type) -> None:
-    points = np.random.default_rng(count).normal(size=(count, 3)).astype(dtype)
-    for given in (points, np.asfortranarray(points), points[::-1]):
-        low, high = extent(given)
-        np.testing.assert_array_equal(low, points.min(axis=0))
-        np.testing.assert_array_equal(high, points.max(axis=0))
-        assert low.dtype == high.dtype == dtype

@@ -25,14 +25,11 @@ def test_the_example_is_what_its_verdict_says(example: Clip) -> None:
 if present("maize_control_plant1"):  # no other series is known to turn a leaf round
 
     def test_a_leaf_that_turns_round_is_named(series: Callable[[str], Path]) -> None:
-        """The paper's choices exchange the base and the tip of the lowest leaf from day 7 to 8.
-
-        Both faults that it then has are as strong: of 15 samples of its movers, 8 tear more.
-        """
+        """The paper's choices exchange the base and the tip of the lowest leaf from day 7 to 8."""
         scans = sorted(series("maize_control_plant1").glob("*.txt"))[7:9]
         clip = bake(scans, Options(align="none", paper=True, workers=2))
         found = [doubt.what for doubt in doubts_of(clip) if doubt.start == 7.0]
-        assert found in (["the tip and the base of leaf 1 change places"], ["leaf 1 tears"])
+        assert found == ["the tip and the base of leaf 1 change places"]
 
 
 @pytest.mark.parametrize("name", labelled("tobacco_control_plant1"))

@@ -13,7 +13,6 @@ from baker.geometry.neighbors import (
     BLOCK_SIZE,
     nearest_neighbors,
     point_spacing,
-    spatial_order,
 )
 from baker.geometry.parallel import thread_map
 from baker.geometry.surface import covariances, point_area
@@ -159,18 +158,3 @@ def test_a_single_point_has_no_spacing():
     alone = nearest_neighbors(np.ones((1, 3)))
     assert alone.even_spacings.tolist() == [alone.spacing] == [0.0]
     assert alone.inliers.all()
-
-
-@pytest.mark.parametrize("extent", [1.0, 1e-38, 1e-44])
-@pytest.mark.parametrize("count", [1, 2, 1000])
-def test_what_is_near_in_space_is_near_in_the_order(count, extent):
-    points = (np.random.default_rng(count).random((count, 3)) * extent).astype(np.float32)
-    points[1::10] = points[0]  # some are equal
-    order = spatial_order(points)
-    np.testing.assert_array_equal(np.sort(order), np.arange(count))
-    if count > 2 and extent > 1e-44:  # there, coordinates have a few values only
-        steps, random = (
-            np.linalg.norm(np.diff(cloud.astype(float), axis=0), axis=1).mean()
-            for cloud in (points[order], points)
-        )
-        assert steps < 0.3 * random

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from baker.geometry.neighbors import spatial_order
-from baker.interpolation.packing import Movers, block_shuffle, pack_interval
+from baker.interpolation.packing import Movers, pack_interval
 from gclip import Motion
 from gclip.schema import BLOCK
 
@@ -83,13 +82,3 @@ def test_movers_of_lower_degree_are_raised_to_the_highest():
     ]
     middle = interval.box.low + interval.box.step * interval.curve[1][:2]
     assert np.allclose(middle, 0.5, atol=1e-4)
-
-
-@pytest.mark.parametrize("count", [1, 127, 128, 1000])
-def test_blocks_are_shuffled_whole(count):
-    points = np.random.default_rng(count).random((count, 3))
-    order = block_shuffle(points)
-    np.testing.assert_array_equal(np.sort(order), np.arange(count))
-    place = np.argsort(spatial_order(points))[order]
-    starts = np.flatnonzero(np.diff(place, prepend=-2) != 1)
-    assert set(place[starts]) <= set(range(0, count, BLOCK))
