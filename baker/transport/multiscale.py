@@ -12,10 +12,11 @@ B. Schmitzer: A sparse multiscale algorithm for dense optimal transport (2016).
 M. Bonafini, B. Schmitzer: Domain decomposition for entropy regularized optimal transport (2021).
 """
 
+from functools import partial
+
 import numpy as np
 from numpy.typing import NDArray
 
-from baker.geometry.neighbors import nearest_neighbors
 from baker.geometry.parallel import thread_map
 from baker.transport.problem import Coupling, Edges, Indices, Masses, TransportOptions, costs
 from baker.transport.space_partition import bisection_order, blocks, refine_plan
@@ -23,7 +24,8 @@ from baker.transport.space_partition import bisection_order, blocks, refine_plan
 BLOCKS_OF_COARSEST_LEVEL = 64  # of either cloud
 BLOCKS_IN_A_BLOCK = 4, 2  # of the next level: on levels that are one cell, and on larger ones
 MIN_RATIO = 1.4  # of the number of points to that of the blocks of the level before
-NEIGHBORS = 4  # of a point in its own cloud, whose partners are priced first
+# In the orders of two bisections, from a point to its neighbours.
+STEPS = np.array([-3, -1, 1, 3], np.int32)
 POINTS_OF_CELL = 400  # of both clouds together, in the first sweep
 MAX_POINTS_OF_ONE_CELL = 3_000  # of both clouds; a smaller level is one cell
 MAX_POINTS_PRICED_AT_ONCE = 100  # of the smaller cloud; without neighbours, all pairs are priced
@@ -74,10 +76,13 @@ def _improve(
     is_small = min(n, m) <= MAX_POINTS_PRICED_AT_ONCE
     exhaustive = is_small or (is_last and n * m <= MAX_PAIRS_PRICED)
     points, near = np.concatenate([start, end]), np.empty((n + m, 0), np.int32)
+    orders = [np.arange(n)]
     if not is_small:
         with thread_map(options.workers) as map:
-            sides = [nearest_neighbors(side, NEIGHBORS, map).indices for side in (start, end)]
-        near = np.vstack([sides[0], np.int32(n) + sides[1]])
+            other = partial(bisection_order, seed=1)
+            (rows, _), (columns, _) = map(other, (start, end))
+        near = np.vstack([_neighbors(rows), np.int32(n) + _neighbors(columns)])
+        orders.append(rows)
 
     def solve(stops: Indices, begin: int = 0) -> Coupling:
         offset = np.array([[0], [n], [0]])  # of the columns among all points
@@ -92,7 +97,7 @@ def _improve(
         cells = max(1, round((n + m) / (POINTS_OF_CELL * 2**sweep)))
         # No mass crosses the border of a cell, so each sweep has different ones.
         # They have equal numbers of pairs: where rows have much mass, they have many columns.
-        rows = bisection_order(start, seed=sweep)[0] if sweep else np.arange(n)
+        rows = orders[sweep] if sweep < len(orders) else bisection_order(start, seed=sweep)[0]
         counts, cell = np.bincount(plan[0], minlength=n)[rows], np.empty(n, np.int64)
         cell[rows] = (np.cumsum(counts) - counts) * cells // plan.shape[1]
         plan = plan.take(np.argsort(cell[plan[0]] * n + plan[0], kind="stable"), axis=1)
@@ -104,3 +109,15 @@ def _improve(
         if cells == 1 or previous - cost <= MIN_GAIN * cost:
             break
     return plan
+
+
+def _neighbors(order: Indices) -> Indices:
+    """(n, 8) points near each point, in the order of the cloud and in that of another bisection.
+
+    Plans are as near to the optimum as with the four nearest points, but found sooner.
+    """
+    rank, index = np.empty(len(order), np.int32), np.arange(len(order), dtype=np.int32)
+    rank[order] = index
+    adjacent = index[:, None] + STEPS, rank[:, None] + STEPS
+    order = order.astype(np.int32)
+    return np.hstack([index.take(adjacent[0], mode="clip"), order.take(adjacent[1], mode="clip")])
