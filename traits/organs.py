@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from gclip.evaluate import layers_at, locate, positions_on_curve
+from gclip.evaluate import layers_at, locate, newborn, positions_on_curve
 
 if TYPE_CHECKING:
     from gclip import Clip
@@ -57,7 +57,8 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
     Several movers may share a start or an end point. One sample has one mover for each start point,
     the other one for each end point. At the time of a scan, the sample is the scan; in between,
     both samples are measured and weighted by time, so that traits are continuous. The start points
-    of an organ that is born are not its own, so both samples use its end points.
+    of an organ that is born are those of the organ that it grows from, so both samples of its own
+    use its end points.
 
     Parameters
     ----------
@@ -74,6 +75,9 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
     begin = clip.intervals[index].start
     born = np.array([track.born for track in clip.track_table])
     lost = [track.lost for track in clip.track_table]
+    owner = np.arange(len(born))
+    for track, ancestor in newborn(clip, index).items():
+        owner[track] = ancestor
     weights = (1.0 - passed, passed)
     moved: set[int] = set()
     parts: tuple[dict[int, list[Points]], dict[int, list[Points]]] = ({}, {})
@@ -84,14 +88,19 @@ def samples_at(clip: Clip, day: float) -> list[Sample]:
         movers = slice(layer.group.first, layer.group.stop)
         positions = positions_on_curve(interval, movers, layer.parameter).astype(np.float64)
         tracks = np.asarray(interval.tracks[movers])
-        ends = np.asarray(interval.curve[-1][movers])
-        newborn = born[tracks] > begin
-        starts = np.where(newborn[:, None], ends, interval.curve[0][movers])
-        moved |= {track for track in np.unique(tracks[~newborn]).tolist() if lost[track] != begin}
-        for part, weight, side in zip(parts, weights, (starts, ends), strict=True):
-            if weight:
-                for track, indices in _distinct(tracks, side).items():
-                    part.setdefault(track, []).append(positions[indices])
+        starts, ends = (np.asarray(interval.curve[end][movers]) for end in (0, -1))
+        is_born = born[tracks] > begin
+        own = np.flatnonzero(is_born)
+        moved |= {track for track in np.unique(tracks[~is_born]).tolist() if lost[track] != begin}
+        # Where a new organ shares start points with the one that it grows from, that comes first.
+        order = np.argsort(is_born, kind="stable")
+        sides = [(0, order, owner[tracks], starts), (1, order, tracks, ends)]
+        if passed:
+            sides.append((0, own, tracks, ends))
+        for k, chosen, organs, points in sides:
+            if weights[k]:
+                for track, indices in _distinct(organs[chosen], points[chosen]).items():
+                    parts[k].setdefault(track, []).append(positions[chosen[indices]])
     mixed = 4.0 * passed * (1.0 - passed)
     return [
         Sample(
