@@ -86,7 +86,7 @@ def register_nonrigid(
     each landmark with its target. Around `CENTERS` points, affine maps are fitted to the
     displacements of the pairs by weighted least squares, and the maps are blended.
 
-    optional: (k, 3) more points of the target, with which none has to be paired.
+    optional: (k, 3) more points of the target, which are not paired unless they are the closest.
     """
     from scipy.spatial import cKDTree
     from scipy.spatial.distance import cdist

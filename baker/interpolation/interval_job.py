@@ -30,7 +30,7 @@ from baker.transport.problem import TransportOptions
 from baker.transport.tasks import Task
 from gclip import Interval, Motion
 
-MIN_ELONGATION = 16.0  # median of the organs of a grass, see `OrganShape.elongation`
+MIN_ELONGATION = 16.0  # of the organs of a grass: least median of `OrganShape.elongation`
 SMALL_SHARE = 0.5  # greatest share of all small organs, relative to an equal one for each thread
 
 

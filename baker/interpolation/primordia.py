@@ -15,6 +15,7 @@ from baker.alignment.keyframes import AlignedSeries
 from baker.geometry.graph import connected_knn_graph, geodesic_distances
 from baker.interpolation.deformation import register_nonrigid
 from baker.interpolation.organ_shapes import (
+    Attachments,
     Cloud,
     OrganShape,
     common_nodes,
@@ -25,6 +26,9 @@ from baker.interpolation.pose import MIN_NODES, moved_with_attachments
 from baker.interpolation.spine import MIN_POINTS_FOR_SPINE, NEIGHBORS, Points
 from baker.matching.match import Match
 
+Scan = tuple[Cloud, Cloud, Attachments]
+"""(N, 3) points of a scan, (3,) plant base and attachments of organs."""
+
 MAX_DETOUR = 0.02  # of points that carry another organ: share by which the way to it is longer
 
 
@@ -34,21 +38,18 @@ def with_primordia(series: AlignedSeries, matches: Sequence[Match]) -> list[Matc
     These stay among the births. The first scan of an interval then has more segments than the same
     scan as the second one of the interval before.
     """
-    clouds, bases = series.clouds, series.base_points
-    scans = clouds, bases, organ_attachments(clouds, series.spacings, matches)
-    return [_split(match, *(side[k : k + 2] for side in scans)) for k, match in enumerate(matches)]
+    attachments = organ_attachments(series.clouds, series.spacings, matches)
+    scans = [*zip(series.clouds, series.base_points, attachments, strict=True)]
+    return [_split(match, scans[k : k + 2]) for k, match in enumerate(matches)]
 
 
-def _split(match: Match, *scans: Any) -> Match:
-    """Split the primordia of one interval off, and match them with the new organs.
-
-    scans: points, plant base and attachments, each in both scans.
-    """
+def _split(match: Match, scans: Sequence[Scan]) -> Match:
+    """Split the primordia of one interval off, and match them with the new organs."""
     first = match.first
     # New segment of the second scan -> segment of the first scan with its primordium, (n,) points.
     found: dict[int, tuple[int, NDArray[np.intp]]] = {}
     for pair in match.pairs:
-        found |= _primordia(match, pair, *scans)
+        found |= _primordia(match, pair, scans)
     if not found:
         return match
     origins, primordia = zip(*found.values(), strict=True)
@@ -66,9 +67,12 @@ def _split(match: Match, *scans: Any) -> Match:
 
 
 def _primordia(
-    match: Match, pair: tuple[int, int], clouds: Sequence[Cloud], *scans: Any
+    match: Match, pair: tuple[int, int], scans: Sequence[Scan]
 ) -> dict[int, tuple[int, NDArray[np.intp]]]:
-    """The primordia in a matched segment, which must carry others in both scans; see `_split`."""
+    """The primordia in a pair of segments, which must carry other organs in both scans.
+
+    Returns new segment of the second scan -> segment of the first scan, (n,) points of that.
+    """
     from scipy.spatial import cKDTree
 
     segment, later = pair
@@ -76,13 +80,15 @@ def _primordia(
     if not born:
         return {}
     before, after = (
-        organ_shapes(cloud, scan, base, contacts, [k, *scan.children(k)]).get(scan.organs[k])
-        for k, cloud, scan, base, contacts in zip(
-            pair, clouds, (match.first, match.second), *scans, strict=True
+        organ_shapes(cloud, side, base, contacts, [k, *side.children(k)]).get(side.organs[k])
+        for k, side, (cloud, base, contacts) in zip(
+            pair, (match.first, match.second), scans, strict=True
         )
     )
     if before is None or after is None or len(common_nodes(before, after)[0]) < MIN_NODES:
         return {}
+    clouds = [cloud for cloud, _, _ in scans]
+    # The new organs are sampled as densely as the segment that they grow on.
     step = max(1, len(match.second.segments[later]) // len(after.points))
     new = [clouds[1][match.second.segments[child][::step]].astype(np.float64) for child in born]
     sample, members = _destinations(before, after, new), match.first.segments[segment]

@@ -15,7 +15,8 @@ class Match:
     first: Hierarchy
     second: Hierarchy  # in which matching may have merged segments
     pairs: tuple[tuple[int, int], ...]  # segment of the first scan, segment of the second
-    births: tuple[int, ...]  # unmatched segments of the second scan, parents before children
+    # New organs in the second scan, parents before children; in a pair if they have a primordium.
+    births: tuple[int, ...]
     losses: tuple[int, ...]  # unmatched segments of the first scan
 
 

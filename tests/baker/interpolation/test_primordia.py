@@ -9,6 +9,7 @@ from scipy.spatial import cKDTree
 import baker
 import gclip
 from tests.baker.interpolation.test_petioles import HEIGHT, LEAVES, plant
+from traits import measure
 
 TURNS = [0.0] * LEAVES
 TIP = 18.0  # length of the shoot above the stem
@@ -60,6 +61,14 @@ def test_the_scans_are_met(tip_becomes_leaf: gclip.Clip, tmp_path: Path) -> None
         scan, shown = np.loadtxt(tmp_path / f"day{day}.txt")[:, :3], tip_becomes_leaf.at(day)
         for some, all_others in ((scan, shown.positions), (shown.positions, scan)):
             assert cKDTree(all_others).query(some)[0].max() < 0.02
+
+
+def test_the_stem_keeps_its_tip_at_the_scan_and_its_height_does_not_jump(
+    tip_becomes_leaf: gclip.Clip,
+) -> None:
+    heights = [measure(tip_becomes_leaf, day)[1].height for day in (0.0, 1e-5)]
+    assert heights[0] > HEIGHT + 0.8 * TIP
+    assert heights[1] == pytest.approx(heights[0], rel=0.01)
 
 
 def test_a_leaf_without_primordium_takes_little_of_the_stem(tmp_path: Path) -> None:
